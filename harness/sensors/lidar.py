@@ -37,7 +37,7 @@ class Lidar:
 
     def _bundle(self) -> RayBundle:
         beams = directions(self.spec.angles)
-        return RayBundle(self.surroundings, beams, self.spec.range_max, horizon=False)
+        return RayBundle(self.surroundings, beams, self.spec.range_max)
 
     def aside(self, model: mujoco.MjModel) -> "ScanAside":
         """Returns a scan that the thread which simulates ahead can make, where no meshes may be met."""

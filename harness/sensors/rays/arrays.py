@@ -111,19 +111,21 @@ def _triangles(model: mujoco.MjModel, geom: int | np.signedinteger[Any]) -> Doub
 
 
 def _max_pyramid(heights: Floats) -> tuple[Floats, Integers]:
-    """Maxima over blocks of 2, 4, 8... cells, flat, and where each level begins and its width.
+    """Maxima over blocks of 2, 4, 8... cells, and where each level begins and its width.
 
+    The first row has those of each block, the second those of it and its eight neighbours together.
     Level 0, the cells, is not stored: looking at a cell's four heights decides it at once.
     """
     across = np.maximum(heights[:, :-1], heights[:, 1:])
     blocks = np.maximum(across[:-1], across[1:])
-    maxima, levels, start = [np.empty(0, np.float32)], [(0, 0)], 0
+    maxima, widened, levels, start = [np.empty(0, np.float32)], [np.empty(0, np.float32)], [(0, 0)], 0
     while max(blocks.shape) > 1 and len(levels) <= COARSEST_LEVEL:
         blocks = _halved(_halved(blocks).T).T
         levels.append((start, blocks.shape[1]))
         maxima.append(blocks.ravel())
+        widened.append(_widened(_widened(blocks).T).T.ravel())
         start += blocks.size
-    return np.concatenate(maxima), np.array(levels, np.int64)
+    return np.stack([np.concatenate(maxima), np.concatenate(widened)]), np.array(levels, np.int64)
 
 
 def _halved(blocks: Floats) -> Floats:
@@ -131,3 +133,11 @@ def _halved(blocks: Floats) -> Floats:
     halved, pairs = blocks[::2].copy(order="K"), len(blocks) // 2
     np.maximum(halved[:pairs], blocks[1::2], out=halved[:pairs])
     return halved
+
+
+def _widened(blocks: Floats) -> Floats:
+    """Maxima of each row and its neighbours."""
+    widened = blocks.copy(order="K")
+    np.maximum(widened[1:], blocks[:-1], out=widened[1:])
+    np.maximum(widened[:-1], blocks[1:], out=widened[:-1])
+    return widened

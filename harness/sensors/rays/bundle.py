@@ -13,8 +13,8 @@ from harness.base.passing import doubles, fill, filled, integers, layout, reader
 from harness.physics.c_functions import address_of
 from harness.physics.world_geoms import OBSTACLE_GROUP
 from harness.sensors.rays import arrays
+from harness.sensors.rays.cone_kernel import clear_ways
 from harness.sensors.rays.heightfield_kernel import cast_rays
-from harness.sensors.rays.horizon_kernel import RINGS, SECTORS, clear_ways, highest_points
 from harness.sensors.rays.obstacle_kernel import cast_bundle
 from harness.sensors.rays.triangle_kernel import cast_triangles
 
@@ -22,7 +22,7 @@ BINS_AROUND = 180
 BIN = math.tau / BINS_AROUND  # [rad]
 TERRAIN, OBSTACLES = ("heights", "pyramid", "levels", "frame"), ("geoms", "sizes")
 MUJOCO = ("geom_xpos", "geom_xmat", "site_xpos", "site_xmat")
-OWN = ("local", "order", "starts", "grid", "pose", "directions", "profile", "clear", "distances", "met")
+OWN = ("local", "order", "starts", "grid", "pose", "directions", "clear", "distances", "met")
 RAYS = layout((*TERRAIN, *OBSTACLES, *MUJOCO, *OWN, "place"), ("range_max", "has_meshes"))
 
 Doubles = NDArray[np.float64]
@@ -96,22 +96,17 @@ class RayBundle:
         surroundings: What they can meet; several bundles may share them.
         directions: Unit vectors in the sensor's frame, shape (n, 3).
         range_max: Where they end [m].
-        horizon: Whether to look first how far the ground lets rays go, which takes longer than a fan of
-            hundreds of rays and saves time with thousands; what they meet is the same.
 
     Attributes:
         on_obstacle: Of each ray of the last cast, whether it met an obstacle, shape (n,).
     """
 
-    def __init__(
-        self, surroundings: Surroundings, directions: Doubles, range_max: float, *, horizon: bool = True
-    ) -> None:
+    def __init__(self, surroundings: Surroundings, directions: Doubles, range_max: float) -> None:
         self._surroundings, self._range_max = surroundings, range_max
         self._local, n = np.ascontiguousarray(directions, np.float64), len(directions)
         self.pose, self._directions = np.empty((4, 3)), np.empty_like(self._local)
         self.distances, self.on_obstacle = np.empty(n), np.zeros(n, bool)
-        profile, clear = np.empty((SECTORS, RINGS) if horizon else (0, 0)), np.zeros(n)
-        own = (self._local, *sorted_into_bins(self._local), self.pose, self._directions, profile, clear)
+        own = (self._local, *sorted_into_bins(self._local), self.pose, self._directions, np.empty(n))
         self._kept = dict(zip(OWN, (*own, self.distances, self.on_obstacle), strict=True))
         self._kept |= zip(TERRAIN, surroundings.terrain, strict=True)
         self._kept |= zip(OBSTACLES, surroundings.obstacles, strict=True)
@@ -180,12 +175,12 @@ def cast_rays_of(address: int) -> None:
     pose, directions, levels = doubles(of["pose"]), doubles(of["directions"]), integers(of["levels"])
     heights, pyramid, frame = (
         singles(of["heights"]),
-        singles(of["pyramid"]).ravel(),
+        singles(of["pyramid"]),
         doubles(of["frame"]),
     )
     distances, clear = doubles(of["distances"]).ravel(), doubles(of["clear"]).ravel()
-    profile, range_max = doubles(of["profile"]), of["range_max"]
-    met = truths(of["met"]).ravel()
+    range_max, met = of["range_max"], truths(of["met"]).ravel()
+    order = integers(of["order"]).ravel()
     place = integers(of["place"]).ravel()
     if place[0]:
         _put(place, doubles(of["site_xpos"]), doubles(of["site_xmat"]), pose)
@@ -199,16 +194,15 @@ def cast_rays_of(address: int) -> None:
         doubles(of["geom_xmat"]),
         pose,
         directions,
-        integers(of["order"]).ravel(),
+        order,
         integers(of["starts"]),
         doubles(of["grid"]).ravel(),
         range_max,
         distances,
     )
     nearest = distances.copy()
-    if profile.size:
-        highest_points(heights.shape, pyramid, levels, frame, pose[0], range_max, profile)
-        clear_ways(profile, frame, pose[0], directions, range_max, clear)
+    bounds = (heights.shape, pyramid, levels, frame, pose[0], directions, order)
+    clear_ways(*bounds, range_max, distances, clear)
     # Obstacles first: the terrain is then walked no further than to them.
     cast_rays(heights, pyramid, levels, frame, pose[0], directions, clear, range_max, distances)
     for ray in range(distances.size):

@@ -43,13 +43,6 @@ def _over_map(heights: NDArray[np.float32], ray: Ray) -> Interval:
 
 
 @inlined
-def _well_over(heights: NDArray[np.float32], u: float, v: float, w: float) -> bool:
-    """Whether a point is over the map, a cell from its edge at least, and above w = 0."""
-    rows, cols = heights.shape
-    return 1.0 <= u <= cols - 2.0 and 1.0 <= v <= rows - 2.0 and w > 0.0
-
-
-@inlined
 def _hit_base(ray: Ray, over_map: Interval, bottom: float) -> float:
     """First t >= 0 on a face of the base box, from outside or from within."""
     begin, end = _slab(ray[2], ray[5], bottom, 0.0)
@@ -60,7 +53,7 @@ def _hit_base(ray: Ray, over_map: Interval, bottom: float) -> float:
 
 
 @inlined
-def _cell_at(position: float, vertices: int) -> int:
+def cell_at(position: float, vertices: int) -> int:
     """Row or column of the cell that holds a position on the map."""
     return min(max(int(position), 0), vertices - 2)
 
@@ -69,7 +62,7 @@ def _cell_at(position: float, vertices: int) -> int:
 def _clearance(heights: NDArray[np.float32], ray: Ray, t: float) -> float:
     """Height of a point of the ray over the surface."""
     u, v, w = ray[0] + t * ray[3], ray[1] + t * ray[4], ray[2] + t * ray[5]
-    row, col = _cell_at(v, heights.shape[0]), _cell_at(u, heights.shape[1])
+    row, col = cell_at(v, heights.shape[0]), cell_at(u, heights.shape[1])
     a, b = u - col, v - row
     near, far = heights[row, col], heights[row + 1, col + 1]
     corner = heights[row, col + 1] if a >= b else heights[row + 1, col]
@@ -113,7 +106,7 @@ def _hit_cell(
 
 
 @inlined
-def _edge_time(start: float, pace: float, block: int, level: int) -> float:
+def edge_time(start: float, pace: float, block: int, level: int) -> float:
     """Where a ray leaves a block of 2**level cells along one axis; `pace` in metres per cell."""
     if math.isinf(pace):
         return math.inf
@@ -121,22 +114,45 @@ def _edge_time(start: float, pace: float, block: int, level: int) -> float:
 
 
 @inlined
-def _next_block(speed: float, block: int, level: int) -> int:
-    """The row or column on the far side of the edge through which a ray leaves its block."""
-    return (block << level) + ((1 << level) if speed > 0.0 else -1)
+def next_cell(
+    shape: tuple[int, int],
+    cell: tuple[int, int],
+    level: int,
+    edge: tuple[float, float],
+    speed: tuple[float, float],
+    along_u: bool,
+) -> tuple[int, int, int]:
+    """Row and column of the cell in which a ray is that leaves its block of 2**level cells.
 
+    Args:
+        shape: Vertices of the map, rows and columns.
+        cell: Row and column of a cell of the block.
+        level: Of the block.
+        edge: Where it leaves the block, (u, v).
+        speed: Change of u and v.
+        along_u: Whether it leaves through an edge of constant u.
 
-@inlined
-def _within_block(position: float, block: int, level: int, vertices: int) -> int:
-    """Row or column of a position, kept in the block that rounding might leave."""
-    first = block << level
-    return min(max(int(position), first), first + (1 << level) - 1, vertices - 2)
+    Returns:
+        Row, column, and level: one coarser where it comes into another parent block.
+    """
+    size = 1 << level
+    if along_u:
+        first = cell[0] >> level << level  # rounding might leave the block
+        row = min(max(int(edge[1]), first), first + size - 1, shape[0] - 2)
+        col = (cell[1] >> level << level) + (size if speed[0] > 0.0 else -1)
+        climb = (col ^ cell[1]) >> (level + 1)
+    else:
+        first = cell[1] >> level << level
+        col = min(max(int(edge[0]), first), first + size - 1, shape[1] - 2)
+        row = (cell[0] >> level << level) + (size if speed[1] > 0.0 else -1)
+        climb = (row ^ cell[0]) >> (level + 1)
+    return row, col, level + 1 if climb else level
 
 
 @inlined
 def _hit_surface(
     heights: NDArray[np.float32],
-    pyramid: NDArray[np.float32],
+    maxima: NDArray[np.float32],
     levels: NDArray[np.int64],
     ray: Ray,
     stay: Interval,
@@ -153,16 +169,16 @@ def _hit_surface(
     pace_u = 1.0 / du if du != 0.0 else math.inf
     pace_v = 1.0 / dv if dv != 0.0 else math.inf
     t, t_end = stay
-    row, col = _cell_at(v + t * dv, rows), _cell_at(u + t * du, cols)
+    row, col = cell_at(v + t * dv, rows), cell_at(u + t * du, cols)
     top = levels.shape[0] - 1 if side > 0.0 else 0
     while 0 <= row < rows - 1 and 0 <= col < cols - 1:
         block_row, block_col = row >> level, col >> level
-        t_u = _edge_time(u, pace_u, block_col, level)
-        t_v = _edge_time(v, pace_v, block_row, level)
+        t_u = edge_time(u, pace_u, block_col, level)
+        t_v = edge_time(v, pace_v, block_row, level)
         leave = max(min(t_u, t_v, t_end), t)
         if level > 0:
             lowest = w + dw * (leave if dw < 0.0 else t)
-            if lowest <= pyramid[levels[level, 0] + block_row * levels[level, 1] + block_col]:
+            if lowest <= maxima[levels[level, 0] + block_row * levels[level, 1] + block_col]:
                 level -= 1
                 continue
         else:
@@ -172,23 +188,16 @@ def _hit_surface(
         if leave >= t_end:
             break
         t = leave
-        if t_u <= t_v:
-            row = _within_block(v + t * dv, block_row, level, rows)
-            came_from, col = col, _next_block(du, block_col, level)
-            climb = (col ^ came_from) >> (level + 1)
-        else:
-            col = _within_block(u + t * du, block_col, level, cols)
-            came_from, row = row, _next_block(dv, block_row, level)
-            climb = (row ^ came_from) >> (level + 1)
-        if climb and level < top:
-            level += 1
+        edge, speed = (u + t * du, v + t * dv), (du, dv)
+        row, col, level = next_cell(heights.shape, (row, col), level, edge, speed, t_u <= t_v)
+        level = min(level, top)
     return MISS
 
 
 @inlined
 def _hit_field(
     heights: NDArray[np.float32],
-    pyramid: NDArray[np.float32],
+    maxima: NDArray[np.float32],
     levels: NDArray[np.int64],
     extent: tuple[float, float],
     ray: Ray,
@@ -210,7 +219,7 @@ def _hit_field(
         return begin  # a side wall, from outside
     side = 1.0 if clearance > 0.0 else -1.0
     top = levels.shape[0] - 1 if side > 0.0 else 0
-    surface = _hit_surface(heights, pyramid, levels, ray, (begin, end), side, top)
+    surface = _hit_surface(heights, maxima, levels, ray, (begin, end), side, top)
     if surface == MISS and side < 0.0 and end == over_map[1] and ray[2] + end * ray[5] >= 0.0:
         return end  # a side wall, from within
     return min(surface, base)
@@ -232,7 +241,8 @@ def cast_rays(  # noqa: PLR0913, PLR0917 - numba takes arrays, no structures of 
 
     Args:
         heights: Stored heights, shape (rows, cols), in field units.
-        pyramid: Maxima of the blocks of each level, one after the other.
+        pyramid: Maxima of the blocks of each level, one after the other, and those of a block with its
+            eight neighbours, shape (2, blocks).
         levels: Where a level begins in the pyramid and its blocks per row, shape (levels, 2).
         frame: World position [m] of u = v = w = 0, field units per metre, and (lowest w, highest w,
             unused), shape (3, 3).
@@ -247,23 +257,22 @@ def cast_rays(  # noqa: PLR0913, PLR0917 - numba takes arrays, no structures of 
     u = (origin[0] - frame[0, 0]) * su
     v = (origin[1] - frame[0, 1]) * sv
     w = (origin[2] - frame[0, 2]) * sw
-    extent, top = (frame[2, 0], frame[2, 1]), levels.shape[0] - 1
-    above = _well_over(heights, u, v, w) and _clearance(heights, (u, v, w, 0.0, 0.0, 0.0), 0.0) > 0.0
+    extent, maxima = (frame[2, 0], frame[2, 1]), pyramid[0]
+    near = min(NEAR_LEVEL, levels.shape[0] - 1)
     for i in range(ranges.shape[0]):
         limit = min(ranges[i], range_max)
         if clear[i] > limit:
             continue
         ray = (u, v, w, directions[i, 0] * su, directions[i, 1] * sv, directions[i, 2] * sw)
-        if clear[i] > 0.0:  # it begins over the map and above the surface: no base, no walls
-            stay = clear[i], min(_over_map(heights, ray)[1], limit)
-            if stay[0] > stay[1]:  # it has left the map
+        if clear[i] > 0.0:  # it begins over the map and above the surface: no walls
+            over_map = _over_map(heights, ray)
+            end = min(over_map[1], limit)
+            if clear[i] > end:  # it has left the map
                 continue
-            hit = _hit_surface(heights, pyramid, levels, ray, stay, 1.0, min(NEAR_LEVEL, top))
-        elif above and _well_over(heights, u + limit * ray[3], v + limit * ray[4], w + limit * ray[5]):
-            if min(w, w + limit * ray[5]) > extent[1]:
-                continue
-            hit = _hit_surface(heights, pyramid, levels, ray, (0.0, limit), 1.0, top)  # as _hit_field
+            base = _hit_base(ray, over_map, extent[0]) if w + end * ray[5] <= 0.0 else MISS
+            stay = clear[i], min(end, base)
+            hit = min(_hit_surface(heights, maxima, levels, ray, stay, 1.0, near), base)
         else:
-            hit = _hit_field(heights, pyramid, levels, extent, ray, limit)
+            hit = _hit_field(heights, maxima, levels, extent, ray, limit)
         if hit <= limit:
             ranges[i] = hit
