@@ -69,12 +69,15 @@ class MissionOutcome:
 
 def _in_words(arrivals: Sequence[Arrival]) -> str:
     times = [one.reached_s for one in arrivals if not math.isnan(one.reached_s)]
-    lacking = [one for one in arrivals if math.isnan(one.reached_s)]
-    left = [one.name or "({:g}, {:g})".format(*one.place) for one in lacking]
     by = f" by {max(times):.1f} s" if times else ""
+    return f"{len(times)} of {len(arrivals)}{by}{without(arrivals)}"
+
+
+def without(arrivals: Sequence[Arrival]) -> str:
+    """Returns which were not reached, e.g. ", not (3, 4), post"; nothing if all were."""
+    left = [one.name or "({:g}, {:g})".format(*one.place) for one in arrivals if math.isnan(one.reached_s)]
     more = f" and {len(left) - MOST_NAMES} more" if len(left) > MOST_NAMES else ""
-    without = f", not {', '.join(left[:MOST_NAMES])}{more}" if left else ""
-    return f"{len(times)} of {len(arrivals)}{by}{without}"
+    return f", not {', '.join(left[:MOST_NAMES])}{more}" if left else ""
 
 
 class MissionAccount:

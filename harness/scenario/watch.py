@@ -10,7 +10,7 @@ import numpy as np
 from harness.base.sim_time import NANOSECONDS
 from harness.episode.batch import Batch
 from harness.episode.metrics_feed import metric_settings
-from harness.episode.mission import mission_of
+from harness.episode.mission import MissionOutcome, mission_of, without
 from harness.episode.result import RunResult
 from harness.page.run.evidence import keep_evidence
 from harness.page.run.log import read_log
@@ -35,6 +35,7 @@ from rover_metrics.extended.settings import Settings
 from rover_metrics.sheet.sheet import spelled
 
 PAGE = "run.html"
+ALL_TARGETS = f"{TARGETS[0]}s"  # how the name of the quantity begins that counts them
 WORDS = "launch_*.txt"  # what its programs have said
 _SIDES = {"L": "left", "R": "right"}
 _CORNERS = _SIDES | {"FL": "front left", "FR": "front right", "RL": "rear left", "RR": "rear right"}
@@ -145,11 +146,19 @@ class Watch:
             else:
                 continue
             if breach is not None:
-                yield breach.reason + contact_of(name, breach, result.along.events)
+                missed = missed_of(name, result.along.mission)
+                yield breach.reason + contact_of(name, breach, result.along.events) + missed
         if self._case.scenario.same_bytes and recorded is not None and baseline is not None:
             difference = first_difference(recorded, baseline)
             if difference is not None:
                 yield difference
+
+
+def missed_of(name: str, mission: MissionOutcome | None) -> str:
+    """Returns e.g. ", not (3, 4)": which way points or targets a quantity of that name has missed."""
+    if mission is None or not name.startswith((ROUTE, ALL_TARGETS)):
+        return ""
+    return without(mission.way_points if name.startswith(ROUTE) else mission.targets)
 
 
 def contact_of(name: str, breach: Breach, events: Sequence[ContactEvent]) -> str:

@@ -157,6 +157,7 @@ def test_a_plugin_that_does_not_fit_is_one_line(
     [
         ('"std_msgs/msg/Float64"', '"std_msgs/msg/Float46"', "give one such as std_msgs/msg/Float64"),
         ('"tilt", "std', '"tilt angle", "std', "is not a harness.sensors.table.SensorRow"),
+        ('"tilt", "std', '"/tilt", "std', "no slash before them"),
         ("data: float", "tilt: float", "call them as the message does: data"),
     ],
 )

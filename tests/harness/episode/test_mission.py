@@ -88,13 +88,13 @@ about: A gate, then a post.
 terrain: flat
 driver: goal
 duration: 22
-targets: ["gate:x=3,y=0.5", "aruco:x=6,y=1.5"]
+targets: ["gate:x=3,y=0.5", "aruco:x=6,y=1.5", "post:x=-9,y=9"]
 route: {points: [{target: gate}, {target: aruco, radius: 1.5}]}
 events: [{at: 3, abort: true}, {at: 5, resume: true}]
 expect:
   truth.route_s: {over: end, max: 21}
   truth.route_points: {over: end, min: 2}
-  truth.targets_reached: {over: end, min: 2}
+  truth.targets_reached: [{over: end, min: 2}, {over: end, min: 3}]
   truth.target.aruco.stop_distance: {over: end, max: 1.5}
   truth.gates_passed: [{over: end, min: 1}, {over: end, min: 2}]
 """
@@ -103,11 +103,14 @@ expect:
 def test_a_mission_in_a_file_is_driven_and_judged(tmp_path: Path) -> None:
     (tmp_path / "m.scenario.yaml").write_text(SCENARIO)
     (case,) = plan([tmp_path / "m.scenario.yaml"])
-    assert attempt(case, tmp_path / "out").breaches == ("truth.gates_passed: at the end 1 < 2",)
+    assert attempt(case, tmp_path / "out").breaches == (
+        "truth.targets_reached: at the end 2 < 3, not post",
+        "truth.gates_passed: at the end 1 < 2",
+    )
     (manifest,) = (
         json.loads(file.read_text()) for file in (tmp_path / "out").rglob("metrics_log*.json")
     )
-    points, (gate, post) = (manifest["truth"]["mission"][kind] for kind in ("way_points", "targets"))
+    points, (gate, post, _) = (manifest["truth"]["mission"][kind] for kind in ("way_points", "targets"))
     assert 3.0 < points[0]["reached_s"] == gate["reached_s"] < points[1]["reached_s"] < 21.0
     assert post["reached_s"] <= 22.0
     assert post["stop_distance"] <= 1.5
