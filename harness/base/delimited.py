@@ -37,6 +37,9 @@ def read_csv(path: Path, largest: int = MOST_BYTES, **how: Any) -> pd.DataFrame:
         content = read_bytes(path, largest)
         content = gzip.decompress(content) if packer_of(content) == "gzip" else content
         text = _below_comments(_text(content))
+        if not text.strip() or "\0" in text:
+            what = "has bytes that are no text" if text.strip() else "holds nothing"
+            raise UsageError(f"{path} {what}; give a line with the names of columns, and rows below it")
         header, _, rows = text.partition("\n")
         mark = max(SEPARATORS, key=header.count)
         separator = mark if mark in header else BLANKS
@@ -58,6 +61,8 @@ def read_csv(path: Path, largest: int = MOST_BYTES, **how: Any) -> pd.DataFrame:
             f"{path}: its rows have more values than its header has names; name each, and separate by "
             "semicolons where decimals have commas"
         ) from None
+    except UnicodeDecodeError:
+        raise UsageError(f"{path} is no text; give CSV in UTF-8") from None
     except (OSError, EOFError, ValueError, zlib.error) as error:
         raise UsageError(f"{path} cannot be read as CSV: {str(error).splitlines()[0]}") from None
     table.columns = [str(name).strip() for name in table.columns]

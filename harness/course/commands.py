@@ -23,7 +23,7 @@ PAGE = "board.html"
 
 
 def run(options: argparse.Namespace, console: Console) -> int:
-    """Drives an entry and writes its receipt."""
+    """Drives an entry and writes its receipt; returns 1 if an episode broke off."""
     entry = find_entry(options.entry)
     tracks = [find_track(name) for name in options.track or (["barn"] if options.worlds else TRACKS)]
     if options.seeds < 1 or (options.seeds > SEEDS and not (options.nonce or options.worlds)):
@@ -44,7 +44,7 @@ def run(options: argparse.Namespace, console: Console) -> int:
         first = f"the first, seed {broken[0].seed} of {broken[0].track}: {broken[0].ending}"
         console.print(f"{how_many(len(broken), 'episode')} broke off; {first}", soft_wrap=True)
     console.print(f"score {receipt.score:.4f}; receipt: {target}", soft_wrap=True)
-    return 0
+    return int(bool(broken))
 
 
 def _target(folder: Path, name: str, *, overwrite: bool) -> Path:

@@ -75,7 +75,9 @@ def _in_words(arrivals: Sequence[Arrival]) -> str:
 
 def without(arrivals: Sequence[Arrival]) -> str:
     """Returns which were not reached, e.g. ", not (3, 4), post"; nothing if all were."""
-    left = [one.name or "({:g}, {:g})".format(*one.place) for one in arrivals if math.isnan(one.reached_s)]
+    left = [
+        one.name or "({:g}, {:g})".format(*one.place) for one in arrivals if math.isnan(one.reached_s)
+    ]
     more = f" and {len(left) - MOST_NAMES} more" if len(left) > MOST_NAMES else ""
     return f", not {', '.join(left[:MOST_NAMES])}{more}" if left else ""
 

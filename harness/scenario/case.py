@@ -1,6 +1,7 @@
 """Files and folders of scenarios to runs: every combination of a matrix with every seed."""
 
 import math
+import re
 import shlex
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
@@ -15,7 +16,7 @@ from harness.drivers.base import OF_POLICY
 from harness.episode.assembly import check, tells_energy
 from harness.robots import ROVERS
 from harness.scenario.quantities import LOG
-from harness.scenario.reading import SUFFIX, read_scenario
+from harness.scenario.reading import SUFFIX, place_of, read_scenario
 from harness.scenario.spec import MOST_RUNS, ExpectedFailure, Scenario
 from harness.scenario.steps import (
     AbortEvent,
@@ -34,6 +35,8 @@ from rover_metrics.plugins import FILE
 
 Cell = tuple[tuple[str, Any], ...]  # values of a matrix by name
 Selected = tuple[tuple[str, str], ...]  # names and values of the matrix, as text
+UNSAFE = re.compile(r"[^\w.,+=@-]")  # in the name of a folder, to shells or to Windows
+NULL = "null"  # of a matrix, as files say it
 SCRATCH = "rover-scenario-"  # how folders begin for the logs of runs
 
 
@@ -60,7 +63,7 @@ class Case:
     @property
     def command(self) -> str:
         """Returns what repeats this run alone."""
-        only = [word for name, value in self.cell for word in ("--only", f"{name}={value}")]
+        only = [word for name, value in self.cell for word in ("--only", f"{name}={_said(value)}")]
         words = [str(self.path), "--seed", str(self.run.seed), *only]
         return f"{sibling('harness.scenario')} {shlex.join(words)}"
 
@@ -75,9 +78,9 @@ class Case:
 
     @property
     def folder(self) -> Path:
-        """Returns where its evidence goes, below a folder for that of all."""
+        """Returns where its evidence goes, below a folder for that of all, e.g. kerb@leo-rocky-3."""
         inside = [part for part in self.path.parent.parts if part not in ("..", self.path.anchor)]
-        return Path(*inside, self.name)
+        return Path(*inside, UNSAFE.sub("_", self.name.replace("[", "@").removesuffix("]")))
 
 
 def cell_name(cell: Cell) -> str:
@@ -87,7 +90,12 @@ def cell_name(cell: Cell) -> str:
 
 def _called(value: object) -> str:
     """What a value of a matrix is called: a path by its last part."""
-    return Path(str(value)).name
+    return Path(_said(value)).name
+
+
+def _said(value: object) -> str:
+    """A value of a matrix as the file says it."""
+    return NULL if value is None else str(value)
 
 
 def scenario_name(path: Path) -> str:
@@ -126,7 +134,7 @@ def cases_of(path: Path, scenario: Scenario, seeds: Sequence[int] | None = None)
             check(case.run)
             _check_energy(case)
     except UsageError as error:
-        raise UsageError(f"{path}: {error}") from error
+        raise UsageError(f"{path}{place_of(path, str(error))}: {error}") from error
     return cases
 
 
@@ -228,7 +236,7 @@ def _has(cell: Cell, name: str, text: str) -> bool:
     if isinstance(value, float):
         with suppress(ValueError):
             return float(text) == value
-    return text == str(value) or (value is None and text == "null")
+    return text in (str(value), _said(value))
 
 
 def plan(files: Iterable[Path], seeds: Sequence[int] | None = None, only: Selected = ()) -> list[Case]:

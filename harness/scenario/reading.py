@@ -51,6 +51,18 @@ def read_scenario(path: Path) -> Scenario:
     return scenario
 
 
+def place_of(path: Path, problem: str) -> str:
+    """Returns the `:LINE:COLUMN` of the first text in a file that a problem quotes; "" without one."""
+    nodes: list[Any] = [read_yaml(path, with_places=True)]  # of ruamel
+    places: list[tuple[int, int]] = []
+    for node in nodes:  # grows
+        is_list = isinstance(node, list)
+        keys, at = (range(len(node)), node.lc.item) if is_list else (node, node.lc.value)
+        nodes += [node[key] for key in keys if isinstance(node[key], Mapping | list)]
+        places += [at(key) for key in keys if isinstance(node[key], str) and f"'{node[key]}'" in problem]
+    return "".join(f":{number + 1}" for number in min(places, default=()))
+
+
 def _place_of(content: Any, location: Location) -> tuple[str, str]:  # noqa: ANN401 - nodes of ruamel
     """The keys of a location that stand in the file, joined, and `:LINE:COLUMN` of the innermost."""
     keys, place = [], ""

@@ -217,8 +217,8 @@ OPTIONAL = Table[SensorRow](
         and None not in (value.options, value.fault)
         and all(OF_TOPIC.fullmatch(topic.name) for topic in value.topics)
     ),
-    "a harness.sensors.table.SensorRow with `options`, `fault` and topics such as points or front/points,"
-    " no slash before them",
+    "a harness.sensors.table.SensorRow with `options`, `fault` and topics as points or front/points, no "
+    "slash before them",
 )
 
 

@@ -2,12 +2,13 @@
 
 import re
 from collections.abc import Iterable
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
-from harness.base.errors import UsageError
+from harness.base.errors import UsageError, how_many
 from harness.validate.recordings.columns import UNITS, read_columns, steps_of
 from harness.validate.recordings.recording import Recording, Series, changes, empty, in_order
 
@@ -39,10 +40,18 @@ def recordings_of(folder: Path, radius: float) -> list[Recording]:
     read = [recording_of(paths, key, radius, grounds.get(key, "")) for key, paths in parts.items()]
     if not any(one.series for one in read):
         raise UsageError(
-            f"{folder} holds no recording; give CSV files with a column t and some of left_speed, "
-            "right_speed, cmd_v, cmd_w, wz, az, x, y (docs/real_rovers.md)"
+            f"{folder} holds no recording{_held(parts.values())}; give CSV files with a column t and "
+            "some of left_speed, right_speed, cmd_v, cmd_w, wz, az, x, y (docs/real_rovers.md)"
         )
     return [one for one in read if one.series]
+
+
+def _held(several: Iterable[list[Path]]) -> str:
+    """What the first of some files holds instead of a recording; "" without files."""
+    for path in chain.from_iterable(several):
+        table = read_columns(path)
+        return f": {path.name} has {how_many(len(table), 'row')} of {', '.join(table.columns)}"
+    return ""
 
 
 def recording_of(paths: Iterable[Path], name: str, radius: float, ground: str = "") -> Recording:

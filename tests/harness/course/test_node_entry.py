@@ -76,6 +76,6 @@ def test_a_program_that_ends_is_told_in_a_line_and_in_the_midst_of_a_drive_in_it
     assert len(capfd.readouterr().err.splitlines()) == 1
     program = NODE.replace("self.commands.publish(twist)", "raise SystemExit")
     own = entry(tmp_path / "late", f"launch: {WORDS}\nnode: /mine", program)
-    assert main(["run", own, *SHORT, "--out", str(tmp_path)]) == 0
+    assert main(["run", own, *SHORT, "--out", str(tmp_path)]) == 1
     (episode,) = read_receipt(tmp_path / "late.json").tracks["barn"].episodes
     assert "ended" in episode.ending

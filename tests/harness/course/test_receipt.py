@@ -105,7 +105,7 @@ def test_an_entry_of_ones_own_drives_as_the_baseline_it_is_made_of(
     (entry / "mine.py").write_text(
         f"{DRIVER}    def command(self, observation):\n        return 0.3, 0.0\n"
     )
-    assert main(["run", str(entry), *words, "--overwrite"]) == 0
+    assert main(["run", str(entry), *words, "--overwrite"]) == 1
     told = capsys.readouterr().out
     assert "2 episodes broke off; the first, seed 0 of blind: a plug-in failed" in told
     assert "Mine gives (0.3, 0.0), not a Twist of two numbers" in told

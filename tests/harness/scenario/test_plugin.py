@@ -55,7 +55,7 @@ def test_scenarios_are_tests_if_they_are_asked_for(pytester: pytest.Pytester) ->
     properties = {p.get("name"): p.get("value") for p in cases["bad[0]"].iter("property")}
     assert properties["again"] == again.removeprefix("again: ")
     kept = Path(str(properties["kept"]))
-    assert kept.parts[-2:] == ("rover", "bad[0]")
+    assert kept.parts[-2:] == ("rover", "bad@0")
     assert f">{properties['again']}</pre>" in (kept / "run.html").read_text()
     assert f"\n{told}\n{again}\nsee:   {kept / 'run.html'}\n" in shown
 
@@ -66,4 +66,4 @@ def test_seeds_can_be_given_and_artefacts_sent_elsewhere(pytester: pytest.Pytest
     pytester.runpytest_inprocess(*PLUGINS, "-pharness.testing.plugin", *more).assert_outcomes(
         failed=1, deselected=1
     )
-    assert (pytester.path / "kept/bad[1]/run.html").is_file()
+    assert (pytester.path / "kept/bad@1/run.html").is_file()

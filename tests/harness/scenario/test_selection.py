@@ -31,9 +31,9 @@ def test_every_combination_is_run_with_every_seed_and_can_be_repeated_alone(
         for seed in (4, 7)
     ]
     file = tmp_path / "two.scenario.yaml"
-    assert cases[3].folder == Path(*tmp_path.parts[1:], "two[leo-1.0-7]")
+    assert cases[3].folder == Path(*tmp_path.parts[1:], "two@leo-1.0-7")
     outside = replace(cases[3], path=Path("../my runs/two.scenario.yaml"))
-    assert outside.folder == Path("my runs/two[leo-1.0-7]")
+    assert outside.folder == Path("my runs/two@leo-1.0-7")
     words = "'../my runs/two.scenario.yaml' --seed 7 --only robot=leo --only difficulty=1.0"
     assert outside.command == f"python -m harness.scenario {words}"
     for one in ("1.0", "1"):
@@ -109,14 +109,14 @@ def test_files_and_folders_stand_relative_to_the_scenario(make_cases: MakeCases,
 @pytest.mark.parametrize(
     ("more", "mend"),
     [
-        ("robot: mole", "robot 'mole' does not exist; available"),
-        ("terrain_size: [40, 40]", "terrain"),
-        ("sensors: sonar", "sonar"),
-        ("cmd_vel_timeout: 1", "for --driver cmd_vel only"),
+        ("robot: mole", r":\d:8: robot 'mole' does not exist; available"),
+        ("terrain_size: [40, 40]", ": .*terrain"),
+        ("sensors: sonar", r":\d:10: .*sonar"),
+        ("cmd_vel_timeout: 1", ": .*for --driver cmd_vel only"),
     ],
 )
 def test_what_no_run_can_be_is_told_with_the_file(make_cases: MakeCases, more: str, mend: str) -> None:
-    with pytest.raises(UsageError, match=rf"two\.scenario\.yaml: .*{mend}"):
+    with pytest.raises(UsageError, match=rf"two\.scenario\.yaml{mend}"):
         make_cases(SPEED, more)
 
 
@@ -135,7 +135,7 @@ def test_parameters_of_the_metrics_stand_beside_the_scenario_too(
     for file in (f"my_rover: {{{near}}}", near):  # wherever the only metrics_node is
         cases = cases_with(make_cases, tmp_path, file)
         assert [case.params for case in cases] == [{"collision_threshold": 5.0}, {}]
-    assert [case.name for case in cases] == ["two[near.yaml-0]", "two[None-0]"]
+    assert [case.name for case in cases] == ["two[near.yaml-0]", "two[null-0]"]
     assert plan([cases[0].path], None, (("params", "null"),)) == cases[1:]
     with pytest.raises(UsageError, match=r"two\.scenario\.yaml: params: .*near\.yaml: .*collision_t"):
         cases_with(make_cases, tmp_path, near.replace("old", "ol"))

@@ -192,7 +192,9 @@ def test_other_names_units_and_missing_columns_are_read_alike(tmp_path: Path) ->
         ("t,wz", "0,28\n0.1,30", r"wz \[deg/s\]"),
         ("t,x,y,yaw", "0,0,0,28\n0.1,1,0,30", r"yaw \[deg\]"),
         ("t [s],left_speed,right_speed", "5,1,1\n6,1,1\n0,1,1", "time goes back by 6.0 s"),
-        ("remark", "none", "holds no recording"),
+        ("remark", "none", "holds no recording: ice_01.csv has 1 row of remark"),
+        ("", "", "ice_01.csv holds nothing; give"),
+        ("t", "\0", "ice_01.csv has bytes that are no text"),
         ("t,left_speed", "99999-99-99 99999999999,1\nx,2", "holds no recording"),
     ],
 )
