@@ -170,12 +170,12 @@ def _check_direct(given: argparse.Namespace, run: Run, ros: RosOptions) -> None:
         (bool(given.namespace), "--namespace"),
         (ros.cmd_vel != "auto", "--cmd-vel"),
         (ros.truth_map, "--truth-map"),
-        (ros.frames.odom_tf != FrameOptions().odom_tf, "--odom-tf"),
-        (ros.frames.odom_tf_3d, "--odom-tf-3d"),
-        (ros.frames.map_tf, "--map-tf"),
     ):
         if is_given:
             raise UsageError(f"{flag} needs ROS; leave out --direct")
+    if ros.frames != FrameOptions() and ros.record is None and ros.foxglove is None:
+        flag = "--map-tf" if ros.frames.map_tf else "--odom-tf"
+        raise UsageError(f"{flag} is of /tf, which nobody gets; leave out --direct, or give --record")
     for rover in run.rovers:
         waits = takes_goals(rover.driver) and rover.goal_area is None and run.plan.route is None
         if waits or rover.driver == CMD_VEL:

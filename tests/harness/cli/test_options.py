@@ -150,7 +150,7 @@ GIVEN = {"wait_for": " /x", "wait_for_topic": " /x", "cmd_vel": " twist", "odom_
 WITHOUT_ROS = {"log_dir", "rate", "record", "foxglove", "overwrite"}
 OF_ROS = [  # all that is not for a run without it, too
     f"--{name.replace('_', '-')}{GIVEN.get(name, '')}"
-    for name, field in (RosOptions.model_fields | FrameOptions.model_fields).items()
+    for name, field in RosOptions.model_fields.items()
     if field.metadata and name not in WITHOUT_ROS
 ]
 
@@ -176,6 +176,7 @@ OF_ROS = [  # all that is not for a run without it, too
             (f"--direct {words}", f"{words.split()[0]} needs ROS; leave out --direct")
             for words in ("--ros-args --", "--no-metrics", "--namespace x", *OF_ROS)
         ),
+        *((f"--direct {flag}", "/tf, which nobody gets") for flag in ("--odom-tf none", "--map-tf")),
         ("--terrain-size 8", "--terrain-size '8' is not valid; give 10 to 50000"),
         ("--foxglove nowhere:x", "--foxglove 'nowhere:x' is not valid; give HOST, PORT or HOST:PORT"),
         ("--direct --driver cmd_vel", "--driver cmd_vel needs ROS; leave out --direct"),
