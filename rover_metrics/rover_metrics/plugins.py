@@ -202,10 +202,19 @@ def installed(tables: Iterable[Table[Any]]) -> Iterator[str]:
     known = {table.name: table for table in tables}
     for kind in KINDS:
         table = known.get(kind) or Table[Any](kind, {}, lambda _: True, "")
-        yield from (_line(table, name, point) for name, point in sorted(_installed(kind).items()))
+        points = _all_installed().select(group=GROUP + kind)
+        yield from (_line(table, one.name, one) for one in sorted(points, key=_called))
+    for group in sorted(_all_installed().groups - {GROUP + kind for kind in KINDS}):
+        if group.startswith(GROUP):
+            names = ", ".join(sorted(map(_called, _all_installed().select(group=group))))
+            yield f"{group} is no table, so nothing has {names}; tables: {', '.join(KINDS)}"
 
 
 def _line(table: Table[Any], name: str, point: EntryPoint) -> str:
+    used = _installed(table.name)[name]
+    if name in table.shipped or used is not point:
+        other = "of ours" if name in table.shipped else f"of {_package(used)}"
+        return f"{table.name}: {_called(point)} is not used, as one {other} has that name; rename it"
     try:
         value = table[name]
     except PluginError as error:
@@ -227,6 +236,10 @@ _all_installed = cache(entry_points)
 
 def _package(point: EntryPoint) -> str:
     return f"{point.dist.name} {point.dist.version}" if point.dist else point.module
+
+
+def _called(point: EntryPoint) -> str:
+    return f"'{point.name}' of {_package(point)}"
 
 
 def _in_file(name: str) -> Any:  # noqa: ANN401 - whatever the file has there

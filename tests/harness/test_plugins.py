@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -85,15 +86,23 @@ def logged(folder: Path) -> tuple[bytes, dict[str, dict[str, str]]]:
     return log.read_bytes(), json.loads(log.with_suffix(".json").read_text())["plugins"]
 
 
-def test_a_part_without_a_word_about_it_is_listed_by_its_name(tmp_path: Path) -> None:
+def test_a_part_without_a_word_about_it_is_listed_by_its_name_and_one_without_effect_with_the_reason(
+    tmp_path: Path,
+) -> None:
     (tmp_path / "bare.py").write_text("def still(truth, action):\n    return 0.0\n")
-    (about := tmp_path / "bare-1.dist-info").mkdir()
-    (about / "METADATA").write_text("Metadata-Version: 2.1\nName: bare\nVersion: 1\n")
-    (about / "entry_points.txt").write_text("[rover_harness.rewards]\nstill = bare:still\n")
-    surroundings = os.environ | {"PYTHONPATH": str(tmp_path)}
-    assert " rewards: still (bare 1)\n" in said(
-        "from harness.run import main; main(['--list'])", surroundings
+    points = "[rover_harness.rewards]\nstill = bare:still\n[rover_harness.drivers]\nwander = bare:W\n"
+    for name in ("bare", "other"):
+        (about := tmp_path / f"{name}-1.dist-info").mkdir()
+        (about / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 1\n")
+        (about / "entry_points.txt").write_text(f"{points}[rover_harness.robot]\n{name} = bare:R\n")
+    surroundings = os.environ | {"PYTHONPATH": str(tmp_path), "COLUMNS": "200"}
+    lines = said("from harness.run import main; main(['--list'])", surroundings)
+    assert len(re.findall(r"rewards: still \(\w+ 1\)\n", lines)) == 1
+    assert (
+        len(re.findall(r"rewards: 'still' of \w+ 1 is not used, as one of \w+ 1 has that", lines)) == 1
     )
+    assert lines.count("1 is not used, as one of ours has that name; rename it") == 2
+    assert "rover_harness.robot is no table, so nothing has 'bare' of bare 1, 'other' of" in lines
 
 
 def test_an_installed_package_adds_to_each_table_and_a_file_gives_the_same_bytes(
