@@ -100,7 +100,14 @@ class _Workshop:
     def __init__(self, spec: mujoco.MjSpec, robot: ET.Element, joints: Joints, mass: float) -> None:
         self._spec, self._joints, self._mass = spec, joints, mass
         self._limits = {joint.get("name", ""): joint.find("limit") for joint in robot.findall("joint")}
-        self.equipment = Equipment(beliefs=_beliefs(robot), driven=_driven(robot, joints))
+        stated = _stated(robot)
+        driven = tuple(name for name in joints.wheels if name in stated)
+        self.equipment = Equipment(beliefs=_beliefs(robot), driven=driven or joints.wheels)
+        if stated and not driven:
+            names = ", ".join(sorted(stated))
+            self.equipment.guesses["model: motors"] = (
+                f"on all wheels, as none of those with one is a wheel: {names}"
+            )
 
     def fit_tyres(self) -> None:
         spec = self._spec
@@ -187,21 +194,20 @@ class _Workshop:
         return value if 0 < value < 1e4 else 0.0
 
 
-def _driven(robot: ET.Element, joints: Joints) -> tuple[str, ...]:
-    """The wheels with motors, by transmissions, ros2_control or a drive's plugin; all if none tells."""
+def _stated(robot: ET.Element) -> set[str]:
+    """The joints with motors, by transmissions, ros2_control or a drive's plugin."""
     stated = {
-        joint.get("name")
+        joint.get("name", "")
         for holder in (*robot.iter("transmission"), *robot.iter("ros2_control"))
         for joint in holder.iter("joint")
         if holder.tag == "transmission" or joint.find("command_interface") is not None
     }
-    stated |= {
+    return stated | {
         (item.text or "").strip()
         for plugin in robot.iter("plugin")
         for item in plugin.iter()
         if SIDE_JOINT.fullmatch(item.tag)
     }
-    return tuple(name for name in joints.wheels if name in stated) or joints.wheels
 
 
 def _beliefs(robot: ET.Element) -> dict[str, float]:

@@ -15,6 +15,7 @@ ENDLESS = 4 * np.pi  # [rad] of a joint's range, from which on its limits mean n
 TRAIL = 0.2  # of a wheel's radius: so far beside the axis about which it turns freely, it is a caster's
 SMALLEST_WHEEL, LARGEST_WHEEL = 0.005, 3.0  # [m] of radius; others are in another unit
 LONGEST_PART = 100.0  # of a wheel's radius; a longer one is in another unit
+TRACKS = "tracks are rows of wheels here, as many on either side, as those of --template skid6"
 IN_METRES = "URDF is in metres: scale its lengths, and meshes by scale="
 
 
@@ -108,7 +109,7 @@ def _no_wheels(
     names: dict[str, int],
     boxes: dict[str, NDArray[np.float64]],
 ) -> str:
-    """Why some hinges are no wheels, for a message: nothing of them collides, or x is not ahead."""
+    """Why there are no wheels, for a message: no hinges, nothing of them collides, x is not ahead."""
     bare = [name for name, box in boxes.items() if not np.isfinite(box).all()]
     across = [
         name
@@ -116,6 +117,7 @@ def _no_wheels(
         if abs(data.xaxis[joint][0]) > ALONG and _is_endless(model, joint) and name not in bare
     ]
     told = f"; without a <collision>, so no wheels: {', '.join(bare)}" if bare else ""
+    told += f"; {TRACKS}" * (not names)
     if across:
         told += (
             f"; about x, which must point ahead: {', '.join(across)}; put a root link before all, whose "

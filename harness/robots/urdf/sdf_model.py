@@ -16,6 +16,7 @@ from harness.base.sdf.reader import is_true, numbers, text_of
 from harness.base.sdf.resources import Resources
 from harness.base.sdf.scopes import Call, Scopes, framed
 from harness.robots.urdf.equipment import SIDE_JOINT
+from harness.robots.urdf.joints import TRACKS
 
 MODEL = "__model__"
 WORLD = "world"  # as the parent of a joint
@@ -87,7 +88,7 @@ def read_model(root: Element, path: Path, folders: Sequence[Path], name: str) ->
     moving = [call for call in moving if call.name == name] or moving
     moving = [call for call in moving if not call.is_static] or moving  # as tutorials leave it
     if len(moving) != 1:
-        mend = "call the rover as one of them" if moving else "give a file of a rover"
+        mend = "call the rover as one of them" if moving else f"give a file of a rover; {TRACKS}"
         which = "several models" if moving else "no model"
         names = ", ".join(call.name for call in moving or models) or "none at all"
         raise UsageError(f"it holds {which} with joints that move: {names}; {mend}")

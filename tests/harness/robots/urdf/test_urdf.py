@@ -177,8 +177,11 @@ def test_a_limited_hinge_that_reaches_the_ground_is_no_wheel(tmp_path: Path) -> 
     arm = arm.replace("continuous", "revolute").replace(
         '<axis xyz="0 1 0"/>', '<axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="1" velocity="1"/>'
     )
+    arm += '<transmission name="a"><joint name="arm_joint"/></transmission>'
     made = written(tmp_path, HUSKY.urdf.replace("</robot>", f"{arm}</robot>"))
     assert made.rover.drive.left == HUSKY.left
+    assert made.rover.drive.driven == made.rover.wheel_joints
+    assert any("motors" in guess and guess.endswith(": arm_joint") for guess in made.guesses)
     assert made.rover.passive_joints == ("arm_joint",)
 
 
@@ -407,7 +410,7 @@ MISTAKES = {
     "not URDF": ("<mujoco/>", "is neither URDF nor SDF: it holds <mujoco>"),
     "empty": ("<robot/>", "holds no <link>"),
     "entities": ('<!DOCTYPE r [<!ENTITY a "b">]><robot/>', "declares a document type or entities"),
-    "no wheels": (HUSKY.urdf.replace("continuous", "fixed"), "no wheels were found on both sides"),
+    "no wheels": (HUSKY.urdf.replace("continuous", "fixed"), "hinges: none; tracks are rows of wheels"),
     "bare wheels": (
         re.sub(r"<collision>.*?</collision>", "", HUSKY.urdf),
         "; without a <collision>, so no wheels: front_left_wheel_joint, ",
@@ -447,6 +450,10 @@ MISTAKES = {
     "a floating root": (
         of_wheel('type="continuous"', 'type="floating"'),
         "is floating; take it and all above it out",
+    ),
+    "two links of a name": (
+        HUSKY.urdf.replace("front_left_wheel", "rear_left_wheel"),
+        "2 links are called 'rear_left_wheel'",
     ),
     "two joints of a name": (
         HUSKY.urdf.replace("front_left_wheel_joint", "rear_left_wheel_joint"),
