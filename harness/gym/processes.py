@@ -24,7 +24,7 @@ from harness.base.interrupt import held_back
 from harness.gym.env import Info, RoverEnv
 from harness.gym.many import Flags, ManyRovers
 from harness.gym.observation import Observation
-from harness.gym.shared import Shared, answered, serve
+from harness.gym.shared import Shared, answered, serve, stay_awake
 from harness.gym.vector import RoverVectorEnv
 
 EXIT_PATIENCE = 0.5  # [s] for a process to leave before it is killed
@@ -179,6 +179,7 @@ class ProcessVectorEnv(ManyRovers):
 
 def _received(connection: Connection, child: Any) -> Any:  # noqa: ANN401 - whatever is answered
     try:
+        stay_awake(connection)
         return connection.recv()
     except (EOFError, ConnectionError) as error:
         child.join(EXIT_PATIENCE)

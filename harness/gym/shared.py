@@ -2,7 +2,9 @@
 
 import contextlib
 import math
+import os
 import signal
+import time
 from collections.abc import Callable, Sequence
 from multiprocessing.connection import Connection
 from typing import Any, NamedTuple
@@ -13,6 +15,8 @@ from numpy.typing import NDArray
 from harness.gym.env import RoverEnv
 from harness.gym.many import Flags
 from harness.gym.vector import RoverVectorEnv
+
+AWAKE = 1e-3  # [s] in which a process that waits does not sleep
 
 Shapes = dict[str, tuple[int, ...]]
 
@@ -80,10 +84,26 @@ def serve(
     *memory, part = place
     shared = Shared.of(*memory).rows(part)
     envs = RoverVectorEnv(make, num_envs=part.stop - part.start, **given)
+    waited = 0.0
     with contextlib.suppress(EOFError, ConnectionError):
         while True:
+            begun = time.monotonic()
+            if waited < AWAKE:  # who asks has nothing else to do that needs this core
+                stay_awake(connection)
             request, *args = connection.recv()
+            waited = time.monotonic() - begun
             connection.send(answered(envs, shared, request, args))
+
+
+def stay_awake(connection: Connection) -> None:
+    """Returns when something can be received, or after AWAKE, but lets others have the core before.
+
+    Who sleeps is woken late, and whoever wakes it has to wait for that, too.
+    """
+    end = time.monotonic() + AWAKE
+    while not connection.poll(0) and time.monotonic() < end:
+        if hasattr(os, "sched_yield"):  # not on Windows
+            os.sched_yield()
 
 
 def answered(
