@@ -68,9 +68,8 @@ class Together:
         self._next = 0  # tick with which the next period begins
         self._is_begun = False  # whether its commands are given, and the second core may be at it
         self._made: deque[tuple[tuple[Batch, ...], RunFailed | None]] = deque()  # not yet yielded
-        self._error: Exception | SystemExit | None = (
-            None  # met too early: of the period that is made next
-        )
+        # Met too early: of the period that is made next.
+        self._error: Exception | SystemExit | None = None
 
     def batches(self) -> Iterator[tuple[Batch, ...]]:
         """Yields a batch of each episode, control period after control period.

@@ -185,11 +185,13 @@ BLAMES.append(blamed)
 
 
 def takes(function: object, count: int) -> bool:
-    """Returns whether something can be called with so many arguments by position."""
+    """Returns whether something can be called with so many arguments by position, as far as it says."""
     try:
         inspect.signature(function).bind(*range(count))  # type: ignore[arg-type]
-    except (TypeError, ValueError):  # it cannot, or is no function
+    except TypeError:  # it cannot, or is no function
         return False
+    except ValueError:  # compiled code that does not say
+        return True
     return True
 
 
