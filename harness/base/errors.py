@@ -9,6 +9,7 @@ from rover_metrics.errors import KnownError, unknown
 __all__ = [
     "INSTALL_OPENGL",
     "INSTALL_ROS",
+    "SOURCE_IT",
     "Diverged",
     "HarnessError",
     "RunFailed",
@@ -22,6 +23,7 @@ __all__ = [
 ]
 
 INSTALL_OPENGL = {"Linux": "install libegl1 libgl1 libgl1-mesa-dri (EGL) or libosmesa6 (OSMesa)"}
+SOURCE_IT = "source the workspace that has it, where this is started"
 INSTALL_ROS = "pip install 'rover-harness[ros]', source a ROS 2 installation"
 
 T = TypeVar("T")

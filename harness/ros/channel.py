@@ -11,7 +11,7 @@ from typing import Any
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 
-from harness.base.errors import UsageError
+from harness.base.errors import SOURCE_IT, UsageError
 from harness.messages.refilled import Fill
 from harness.ros.foreign_type import forget_missing_definition, message_type
 from harness.sensors.table import Topic
@@ -78,7 +78,9 @@ def open_channel(node: Node, topic: Topic, fill: Fill) -> Channel:
     """
     kind = message_type(topic.message_type)
     if kind is None:
-        raise UsageError(f"/{topic.name} needs {topic.message_type}, which is not installed")
+        raise UsageError(
+            f"/{topic.name} needs {topic.message_type}, which is not installed; {SOURCE_IT}"
+        )
     reliability = BEST_EFFORT if topic.best_effort else RELIABLE
     qos = keep_last(topic.depth, reliability, latched=topic.latched)
     publisher = node.create_publisher(kind, topic.name, qos)

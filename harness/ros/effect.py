@@ -8,7 +8,7 @@ Outputs are counted, not matched by their stamps: a node may stamp them with the
 import time
 from collections.abc import Sequence
 
-from harness.base.errors import RunFailed, UsageError, unknown
+from harness.base.errors import SOURCE_IT, RunFailed, UsageError, unknown
 from harness.base.sim_time import NANOSECONDS
 from harness.ros.bridge import Bridge
 from harness.ros.channel import Channel
@@ -17,6 +17,8 @@ from harness.ros.foreign_type import forget_missing_definition
 from harness.ros.remote import DISCOVERY_PATIENCE
 from harness.ros.topic_monitor import message_class, offered_quality
 from harness.spec.ros import Effect
+
+START = "start the node of yours that hears the one and answers with the other, in this ROS_DOMAIN_ID"
 
 
 class AwaitedEffect:
@@ -46,14 +48,14 @@ class AwaitedEffect:
         self._due = 0  # the count at which every input is answered
         self.name, self.waited_s = self._output, 0.0
         if not spin_until(self._bridge.executor, lambda: bool(self._publishers()), DISCOVERY_PATIENCE):
-            raise UsageError(f"--wait-for-topic {self._output}: nobody publishes it")
+            raise UsageError(f"--wait-for-topic {self._output}: nobody publishes it; {START}")
         commands = next((b.commands for b in bridges if b.commands.topic == self._output), None)
         if commands is not None:
             commands.watch = self._take  # what the rover has not heard has had no effect
         else:
             self._subscribe()
         if not spin_until(self._bridge.executor, self._input_is_heard, DISCOVERY_PATIENCE):
-            raise UsageError(f"--wait-for-topic {self._output}: nobody hears {source}")
+            raise UsageError(f"--wait-for-topic {self._output}: nobody hears {source}; {START}")
         # A node that hears an input before it has discovered who waits for the answer answers nobody.
         spin_until_quiet(self._bridge.executor, self._publishers, QUIET, DISCOVERY_PATIENCE)
 
@@ -105,9 +107,7 @@ class AwaitedEffect:
         publishers = self._bridge.get_publishers_info_by_topic(self._output)
         kind = message_class(name := publishers[0].topic_type)
         if kind is None:
-            raise UsageError(
-                f"--wait-for-topic {self._output}: {name} is not installed for this harness"
-            )
+            raise UsageError(f"--wait-for-topic {self._output}: {name} is not installed; {SOURCE_IT}")
         quality = offered_quality(publishers)
         self._bridge.create_subscription(kind, self._output, self._take, quality, raw=True)
         forget_missing_definition()

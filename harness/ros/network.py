@@ -79,4 +79,6 @@ def reserved_domain() -> Iterator[int]:
                 continue
             yield domain
             return
-    raise UsageError(f"all ROS domains from 1 to {LAST_DOMAIN} are reserved by other processes")
+    raise UsageError(
+        f"all ROS domains from 1 to {LAST_DOMAIN} are reserved by other processes; end some"
+    )

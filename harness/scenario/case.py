@@ -256,5 +256,9 @@ def plan(files: Iterable[Path], seeds: Sequence[int] | None = None, only: Select
         _check_number(len(cases))
     left = [case for case in cases if all(_has(case.cell, name, text) for name, text in only)]
     if not left:
-        raise UsageError(f"no run has {', '.join('='.join(pair) for pair in only)}")
+        there = ", ".join(
+            dict.fromkeys(f"{n}={_said(value)}" for case in cases for n, value in case.cell)
+        )
+        asked = ", ".join("=".join(pair) for pair in only)
+        raise UsageError(f"no run has {asked}; available: {there or 'no matrix'}")
     return left

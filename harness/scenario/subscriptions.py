@@ -8,7 +8,7 @@ from typing import Any
 from rclpy.subscription import Subscription
 from rosgraph_msgs.msg import Clock
 
-from harness.base.errors import UsageError
+from harness.base.errors import SOURCE_IT, UsageError
 from harness.base.message_types import read_message
 from harness.ros.bridge import Bridge
 from harness.ros.commands import RCLError
@@ -76,7 +76,7 @@ class Subscriptions:
         name, wanted = publishers[0].topic_type, self._wanted.get(topic, ())
         kind = message_class(name)
         if kind is None:
-            raise UsageError(f"{topic} is of the type {name}, which is not installed for this harness")
+            raise UsageError(f"{topic} is of the type {name}, which is not installed; {SOURCE_IT}")
         for quantity in wanted:
             if problem := check_messages(quantity, name):
                 raise UsageError(problem)

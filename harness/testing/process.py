@@ -68,7 +68,9 @@ class Process:
     def _check_program(self, name: str, path: str, folder: Path) -> None:
         there = (folder / name).is_file() if os.sep in name else shutil.which(name, path=path)
         if not there:
-            raise UsageError(f"there is no program '{name}' to launch ({self._command})")
+            raise UsageError(
+                f"there is no program '{name}' to launch ({self._command}); install it, or give its path"
+            )
 
     def check(self, when: str = "") -> None:
         """Makes sure that it still runs; RunFailed, with what it said last, if it may not have ended."""

@@ -92,7 +92,9 @@ class Trial(LeavesEvidence):
 
     def __enter__(self) -> Self:
         if rclpy.ok():
-            raise UsageError("rclpy is initialised already; a trial does that itself, in its own domain")
+            raise UsageError(
+                "rclpy is initialised already; a trial does that in its own domain; leave it out"
+            )
         with ExitStack() as at_end:
             self._at_end = at_end  # what is started meanwhile ends with it
             self._start(at_end)

@@ -41,7 +41,7 @@ def test_every_combination_is_run_with_every_seed_and_can_be_repeated_alone(
     assert [case.run.seed for case in plan([file], range(3))] == [0, 1, 2] * 4
     with pytest.raises(UsageError, match=r"yaml: 100,004 runs are more than 100,000; give fewer seeds"):
         plan([file], range(25_001))
-    with pytest.raises(UsageError, match="no run has robot=mole"):
+    with pytest.raises(UsageError, match="no run has robot=mole; available: robot=leo, "):
         plan([file], None, (("robot", "mole"),))
     with pytest.raises(UsageError, match="robot: two are called 'rover'"):
         make_cases(SPEED, "matrix: {robot: [a/rover, b/rover]}")
