@@ -89,6 +89,7 @@ def test_page_is_readable_on_a_phone_and_a_finger_scrolls_it(
     browser: "Browser", page_file: Path
 ) -> None:
     with Visit(browser, page_file, phone=True) as visit:
+        visit.page.evaluate("document.querySelector('h1').textContent += '_a_rover'.repeat(12)")
         widths = "[document.documentElement.scrollWidth, document.documentElement.clientWidth]"
         assert visit.page.evaluate(widths) == [360, 360]
         assert visit.page.evaluate("document.getElementById('map').layout.dragmode") is False
