@@ -8,6 +8,7 @@ index with +x, the vertices stand at the ends, and each square cell is two trian
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -140,13 +141,20 @@ def fractal(
         seamless: Whether it repeats at its edges.
     """
     n = shape[0] if seamless else math.ceil(1.25 * shape[0] / FFT_MULTIPLE) * FFT_MULTIPLE
-    frequency = np.hypot(np.fft.fftfreq(n, cell)[:, None], np.fft.rfftfreq(n, cell))
-    amplitude = (frequency**2 + longest**-2) ** (-0.5 * (hurst + 1))
-    amplitude *= np.exp(-0.5 * (frequency * shortest) ** 2)
-    spectrum = np.fft.rfft2(rng.standard_normal((n, n))) * amplitude
+    amplitudes = _amplitudes(n, cell, longest, shortest, hurst)
+    spectrum = np.fft.rfft2(rng.standard_normal((n, n))) * amplitudes
     field = np.fft.irfft2(spectrum, s=(n, n))[: shape[0], : shape[1]]  # the whole of it is periodic
     field -= field.mean()
     return np.asarray(field / field.std())
+
+
+@lru_cache(maxsize=4)  # the worlds of a matrix, or of an environment, differ in their random numbers
+def _amplitudes(n: int, cell: float, longest: float, shortest: float, hurst: float) -> Field:
+    """What white noise of n x n vertices is multiplied by, shape (n, n // 2 + 1)."""
+    frequency = np.hypot(np.fft.fftfreq(n, cell)[:, None], np.fft.rfftfreq(n, cell))
+    amplitudes = (frequency**2 + longest**-2) ** (-0.5 * (hurst + 1))
+    amplitudes *= np.exp(-0.5 * (frequency * shortest) ** 2)
+    return np.asarray(amplitudes)
 
 
 def smoothstep(value: Field, start: float, end: float) -> Field:

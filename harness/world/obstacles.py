@@ -116,16 +116,17 @@ def scatter(
         spacing: Smallest distance between two points [m].
         keep_out: Radius of the circle around the origin that stays free [m].
     """
-    points: list[Points] = []
+    points, placed = np.empty((count, 2)), 0
     for dart in rng.uniform(-reach, reach, size=(count * TRIES_PER_POINT, 2)):
-        if len(points) == count:
+        if placed == count:
             break
         if np.hypot(*dart) < keep_out:
             continue
-        if points and np.hypot(*(np.asarray(points) - dart).T).min() < spacing:
+        if (np.hypot(*(points[:placed] - dart).T) < spacing).any():
             continue
-        points.append(dart)
-    return np.array(points).reshape(-1, 2)
+        points[placed] = dart
+        placed += 1
+    return points[:placed]
 
 
 def outline(obstacle: Obstacle) -> Points:
