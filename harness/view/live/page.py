@@ -1,6 +1,8 @@
 """The page: a server in this process, and a thread that draws at its own pace."""
 
+import errno
 import importlib.util
+import os
 import time
 from contextlib import AbstractContextManager, ExitStack
 from functools import partial
@@ -10,7 +12,7 @@ from typing import TYPE_CHECKING
 from harness.base.errors import UsageError
 from harness.episode.helm import Helm
 from harness.samples import Place
-from harness.spec.live import HERE, LiveOptions, address_of
+from harness.spec.live import HERE, PORT, LiveOptions, address_of
 from harness.spec.run import Run
 from harness.view.live.gate import Gate
 from harness.view.live.watch import Watch
@@ -62,16 +64,21 @@ class LivePage(AbstractContextManager["LivePage"]):
         with ExitStack() as opened:
             self._server = Server(HERE, 0 if guarded else port)
             opened.callback(self._server.stop)
+            own = self._server.get_port()
             if guarded:
-                behind = self._server.get_port()
-                opened.enter_context(Gate(host, port, options.live_token, behind))
+                opened.enter_context(Gate(host, port, options.live_token, own))
+            elif port not in (PORT, own):  # somebody waits there, e.g. behind an ssh -L
+                raise UsageError(
+                    f"--live {host}:{port} cannot be served: {os.strerror(errno.EADDRINUSE)}; "
+                    f"name another port, e.g. --live :{own}"
+                )
             self._stage = Stage(self._server.scene, run)
             self._stage.aim(self._server.initial_camera)
             parts = self._server, run, helm, self._stage, self.observers
             self._panel = Panel(*parts, steered=steered, player=player)
             self._at_end = opened.pop_all()
         shown = f"[{host}]" if ":" in host else host
-        self.address = f"http://{shown}:{port if guarded else self._server.get_port()}"
+        self.address = f"http://{shown}:{port if guarded else own}"
         self.address += f"/?token={options.live_token}" if options.live_token else ""
         self._ended, self._failed = Event(), False
         self._drawing = Thread(target=self._draw, name="live page", daemon=True)

@@ -10,7 +10,12 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 import pytest
 
 from harness.base.errors import UsageError
+from harness.base.interrupt import StopRequest
+from harness.episode.helm import Helm
+from harness.spec.live import LiveOptions
+from harness.spec.run import Run
 from harness.view.live.gate import Gate
+from harness.view.live.page import LivePage
 from tests.support.waiting import PATIENCE
 
 TOKEN = "a-secret-of-ours"  # noqa: S105 - of this test
@@ -68,6 +73,9 @@ def test_who_knows_the_token_gets_a_cookie_and_with_it_the_page(behind: int) -> 
 def test_without_a_token_everybody_of_the_host_gets_the_page(behind: int) -> None:
     with Gate("127.0.0.1", 0, "", behind) as gate:
         assert asked(gate.port) == (200, "", b"page")
+        pytest.importorskip("viser", reason="needs the extra [live]")
+        with pytest.raises(UsageError, match=f"--live 127.0.0.1:{gate.port} cannot be served"):
+            LivePage(Run.of(), Helm(None, StopRequest()), LiveOptions(live=f":{gate.port}"))
 
 
 def test_who_does_not_read_what_is_sent_keeps_no_run_from_its_end(behind: int) -> None:
