@@ -26,7 +26,7 @@ from harness.robots.urdf.sdf_elements import (
     shape_of,
 )
 from harness.robots.urdf.sdf_inertia import WATER, lump_of
-from harness.robots.urdf.sdf_model import Joint, Model, read_model
+from harness.robots.urdf.sdf_model import TWO_AXES, Joint, Model, read_model
 
 SENSORS = {  # how their links are called, and the types that they have
     "lidar": (LIDAR, ("gpu_lidar", "gpu_ray", "lidar", "ray")),
@@ -82,7 +82,7 @@ class _Writing:
 
     def _check(self, name: str, joint: Joint) -> None:
         if joint.kind not in KINDS:
-            raise UsageError(f"joint '{name}' is '{joint.kind}'; valid: {', '.join(KINDS)}")
+            raise UsageError(f"joint '{name}' is '{joint.kind}'; valid: {', '.join(KINDS + TWO_AXES)}")
         for link in (joint.parent, joint.child):
             if link not in self._model.links:
                 links = ", ".join(self._model.links)

@@ -5,7 +5,7 @@ from copy import deepcopy
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TypeVar
-from xml.etree.ElementTree import Element
+from xml.etree.ElementTree import Element, SubElement
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,8 @@ MODEL = "__model__"
 WORLD = "world"  # as the parent of a joint
 OLD = [1, 4]  # the version up to which axes are in the model's frame
 Of = TypeVar("Of", "Link", "Joint")
+TWO_AXES = "universal", "revolute2"
+CROSS = "0.01", "1e-5"  # [kg], [kg m^2] of what is between their axes, in which SDF has no link
 USUAL = "1.6"  # the version of a file that does not tell
 
 
@@ -160,6 +162,10 @@ class _Reading:
     def _joint(
         self, element: Element, frames: Frames, at: Transform, names: tuple[str, ...], *, is_old: bool
     ) -> None:
+        if element.get("type") in TWO_AXES:
+            for one in self._parted(element, frames, at, names):
+                self._joint(one, frames, at, names, is_old=is_old)
+            return
         name, parent = element.get("name", "joint"), text_of(element, "parent")
         if parent == WORLD:
             self._model.notes.append(f"joint '{name}' holds it fast in the world; left out")
@@ -177,6 +183,36 @@ class _Reading:
         ends = (_joined(*names, link) for link in (parent, child))
         joint = Joint(_named(element, names), at @ pose, turned, *ends)
         _add(self._model.joints, _joined(*names, name), joint)
+
+    def _parted(
+        self, element: Element, frames: Frames, at: Transform, names: tuple[str, ...]
+    ) -> tuple[Element, Element]:
+        """A joint of two axes as two joints, NAME and NAME_2, and a light link NAME_cross between."""
+        name, child = element.get("name", "joint"), text_of(element, "child")
+        if element.find("axis2") is None:
+            raise UsageError(f"joint '{name}' is '{element.get('type')}' without an <axis2>; add it")
+        first, second = deepcopy(element), deepcopy(element)
+        cross = Element("link", name=f"{name}_cross")
+        inertial = SubElement(cross, "inertial")
+        SubElement(inertial, "mass").text = CROSS[0]
+        moments = SubElement(inertial, "inertia")
+        for axes in ("ixx", "iyy", "izz"):
+            SubElement(moments, axes).text = CROSS[1]
+        pose, reference = read_pose(element, name)
+        link = Link(cross, at @ frames.find(reference or child) @ pose, frames, at)
+        _add(self._model.links, _joined(*names, f"{name}_cross"), link)
+        for one, tag, end in ((first, "axis2", "child"), (second, "axis", "parent")):
+            one.set("type", "revolute")
+            for item in [*one.findall(tag), *one.findall(end)]:
+                one.remove(item)
+            SubElement(one, end).text = f"{name}_cross"
+        for item in second.findall("axis2"):
+            item.tag = "axis"
+        second.set("name", f"{name}_2")
+        if (stated := first.find("pose")) is None:
+            stated = SubElement(first, "pose")
+        stated.set("relative_to", reference or child)  # which is the cross's else
+        return first, second
 
 
 def _add(known: dict[str, Of], name: str, one: Of) -> None:

@@ -323,6 +323,32 @@ def test_inertia_is_that_of_the_shapes_where_it_is_left_to_gazebo(
     assert body.ipos == pytest.approx([x, 0.0, 0.0], abs=NEAR)
 
 
+@pytest.mark.parametrize("kind", ["universal", "revolute2"])
+def test_a_joint_of_two_axes_is_two_joints_and_a_light_link_between_them(
+    kind: str, tmp_path: Path
+) -> None:
+    text = of_parts(kind=kind)
+    (roll, *_) = re.findall(r"<axis>.*?</axis>", text, re.DOTALL)
+    steer = roll.replace("0 1 0", "0 0 1").replace("inf", "0.5")
+    inertia = "<inertia><ixx>1e-5</ixx><iyy>1e-5</iyy><izz>1e-5</izz></inertia>"
+    apart = f"""<link name='left_cross'><pose relative_to='left::link'/><inertial><mass>0.01</mass>
+      {inertia}</inertial></link><joint name='left' type='revolute'><parent>chassis</parent>
+      <child>left_cross</child>{steer}</joint><joint name='left_2' type='revolute'>
+      <parent>left_cross</parent>"""
+    texts = (
+        text.replace(roll, steer + roll.replace("axis>", "axis2>"), 1),
+        text.replace(f"<joint name='left' type='{kind}'><parent>chassis</parent>", apart),
+    )
+    made = list[Written]()
+    for name, one in zip("ab", texts, strict=True):
+        (tmp_path / name).mkdir()
+        source = of_gazebo(tmp_path / name, one)
+        made.append(write_folder("made", source, tmp_path / name / "made"))
+    assert made[0].rover.wheel_joints == ("left_2", "right")
+    models = [(one.rover.folder / "made.xml").read_text() for one in made]
+    assert models[0] == models[1]
+
+
 SKID = """<collision name='skid'><pose>0.25 0 -0.2 0 0 0</pose><geometry><sphere><radius>0.05</radius>
   </sphere></geometry></collision>"""
 JOINT = "<joint name='j' type='fixed'><parent>{}</parent><child>{}</child></joint>"
@@ -345,7 +371,8 @@ MISTAKES = {
     "a joint twice": (of_parts(JOINT.format("ball", "mast") * 2), "two joints are called 'j'"),
     "nothing": (of_parts(JOINT.format("ball", "bowl")), "frame 'bowl' does not exist"),
     "a part that is not there": (of_parts(part="left::rim"), "rim"),
-    "universal": (of_parts(kind="universal"), "joint 'left' is 'universal'; valid: revolute, "),
+    "universal": (of_parts(kind="universal"), "joint 'left' is 'universal' without an <axis2>; add it"),
+    "screw": (of_parts(kind="screw"), "joint 'left' is 'screw'; valid: revolute, "),
     "auto of nothing": (
         of_parts("<link name='bar'><inertial auto='true'/></link>"),
         "link 'bar' leaves its inertia to shapes that weigh nothing",
