@@ -38,7 +38,7 @@ class Recording:
     steps: Series = field(default_factory=lambda: empty(2))  # begin and end of each commanded one [s]
 
     sources: Mapping[str, str] = field(default_factory=dict)  # topics of a bag, by series
-    problems: tuple[str, ...] = ()  # what of a bag could not be read, a line each
+    problems: tuple[str, ...] = ()  # what could not be read or is odd, a line each
 
     @property
     def series(self) -> dict[str, Series]:

@@ -17,6 +17,7 @@ FASTEST_TURN = 10.0  # [rad/s] that a rover may turn with where no unit says tha
 BACK = 1.0  # [s] by which times may be out of order
 PART = re.compile(r"[_\-.]?(wheels?|imu|odom(etry)?|currents?|poses?)$", re.IGNORECASE)
 PAUSE = 0.5  # [s]
+REPEATED = 0.2  # of a log's times, from which on that is told
 RUNNING = ("calib", "step", "drive", "run", "running")
 
 
@@ -67,8 +68,10 @@ def recording_of(paths: Iterable[Path], name: str, radius: float, ground: str = 
         UsageError: One cannot be read, has an unknown unit, goes back in time, or repeats another.
     """
     series: dict[str, Series] = {}
+    problems: tuple[str, ...] = ()
     for path in paths:
         table = read_columns(path)
+        problems += _repeated(table, path)
         if "ground" in table and len(table) and not ground:
             ground = str(table["ground"].iloc[0])
         read = _series(table, radius, path)
@@ -76,7 +79,20 @@ def recording_of(paths: Iterable[Path], name: str, radius: float, ground: str = 
             raise UsageError(f"{path}: the {twice[0]} of {name} stand in another file too; give one")
         series |= read
     ground = ground or re.sub(r"[_\-]?\d+$", "", name)
-    return Recording(name, ground, **series)  # type: ignore[arg-type]  # of series alone
+    return Recording(name, ground, problems=problems, **series)  # type: ignore[arg-type]  # of series alone
+
+
+def _repeated(table: pd.DataFrame, path: Path) -> tuple[str, ...]:
+    """A line if many times of the wheels repeat with other speeds, as where seconds were rounded."""
+    names = [name for name in ("left", "right", "left_turn", "right_turn") if name in table]
+    if not names or "t" not in table:
+        return ()
+    steps = steps_of(table[["t", *names]].dropna().drop_duplicates()["t"])
+    if not len(steps) or (share := float((steps == 0.0).mean())) < REPEATED:
+        return ()
+    step = float(np.median(steps[steps > 0.0])) if steps.any() else 0.0
+    told = f"{share:.0%} of the wheels' times repeat, and of each the first row counts"
+    return (f"{path}: {told}; steps of {step:.3g} s tell delay and lag no better, whatever is said",)
 
 
 def _grounds(path: Path) -> dict[str, str]:

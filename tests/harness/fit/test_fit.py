@@ -298,6 +298,12 @@ def test_poses_of_a_place_far_from_the_middle_go_with_the_wheels(tmp_path: Path)
     assert read([write(driven(HUSKY), tmp_path / "drive.csv", aside)], HUSKY, {}).problems == ()
 
 
+def test_times_that_were_rounded_until_they_repeat_are_told(tmp_path: Path) -> None:
+    csv = write(driven(HUSKY), tmp_path / "drive.csv", lambda table: table.assign(t=table.t.round(1)))
+    (problem,) = read([csv], HUSKY, {}).problems
+    assert re.search(r"4\d% of the wheels' times repeat.* steps of 0\.1 s", problem)
+
+
 def test_what_is_replayed_begins_at_0_and_goes_ahead_across_any_course() -> None:
     poses = replay(HUSKY, np.array([[0.0, 0.5, 0.0]]), 1.5, course=flat(*PLANE, 0.3)).poses
     assert poses[0, 1:] == pytest.approx(np.zeros(3), abs=0.02)
