@@ -13,7 +13,7 @@ from rover_metrics.analysis.plots.style import DPI, STYLE
 from rover_metrics.sheet.sheet import Sheet
 
 CSS = """
-:root { color-scheme: light; }
+:root { color-scheme: light dark; }
 body { margin: 0 auto; padding: 1rem; max-width: 84rem; font: 1rem/1.45 system-ui, sans-serif;
   background: #f4f5f6; color: #1b1f24; }
 section { margin-top: 1rem; padding: 0.75rem; overflow-x: auto; background: #fff;
@@ -25,6 +25,12 @@ th { vertical-align: bottom; } tbody th { font-weight: 400; } td, tbody th { whi
 th:first-child { text-align: left; }
 .hint { margin: 0.5rem 0 0; color: #57606a; font-size: 0.875rem; }
 svg { width: 100%; height: auto; }
+h1, h2 { overflow-wrap: anywhere; }
+@media screen and (prefers-color-scheme: dark) {
+  body { background: #0d1117; color: #e6edf3; } section { background: #171717; }
+  section, th, td { border-color: #30363d; } .hint { color: #9ea7b3; }
+  svg { filter: invert(0.91) hue-rotate(180deg); }
+}
 """
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 
