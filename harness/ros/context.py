@@ -9,9 +9,10 @@ and lets simulation time go on when everything is handled. Humble has none; the 
 import gc
 import math
 import os
+import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stderr
 from traceback import clear_frames
 from typing import Any
 
@@ -80,7 +81,9 @@ def unfinished_is_freed() -> Iterator[None]:
 def make_executor(context: Context, *, time_jumps: bool = False) -> Executor:
     """Returns the fastest executor there is; EventsExecutor may call a timer twice where time jumps."""
     kind = SingleThreadedExecutor if time_jumps else EventsExecutor
-    return kind(context=context)
+    # It asks stderr for its file, which one that keeps a text (pytest --capture=sys) has not.
+    with redirect_stderr(sys.__stderr__ or sys.stderr):
+        return kind(context=context)
 
 
 @contextmanager
