@@ -103,9 +103,9 @@ def message_table(result: RunResult) -> Sheet:
     return Sheet.of(
         {
             "Topic": topic,
-            "Published": str(count.published),
-            "Received": DASH if count.received is None else str(count.received),
-            "Lost": DASH if count.received is None else str(count.lost),
+            "Published": f"{count.published:,}",
+            "Received": DASH if count.received is None else f"{count.received:,}",
+            "Lost": DASH if count.received is None else f"{count.lost:,}",
         }
         for topic, count in result.topics.items()
     )
