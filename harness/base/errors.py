@@ -12,6 +12,7 @@ __all__ = [
     "SOURCE_IT",
     "Diverged",
     "HarnessError",
+    "PluginFailed",
     "RunFailed",
     "UsageError",
     "find_named",
@@ -47,6 +48,10 @@ class RunFailed(HarnessError):
 
 class Diverged(RunFailed):
     """The simulation blew up: what it said before is not to be trusted either."""
+
+
+class PluginFailed(RunFailed):
+    """A part of somebody else has raised while it was used, or given what it must not."""
 
 
 @contextmanager

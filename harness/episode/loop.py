@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from harness.base.errors import RunFailed
+from harness.base.errors import PluginFailed
 from harness.base.interrupt import StopRequest
 from harness.base.sim_time import NANOSECONDS
 from harness.episode.batch import Batch
@@ -61,7 +61,7 @@ def drive(
         Each tick of the first rover, once the sinks have taken those of all.
 
     Raises:
-        RunFailed: As the episode does, or a plug-in of a user has raised anything.
+        RunFailed: As the episode does; PluginFailed: a plug-in of a user has raised anything.
     """
     now_ns = 0
     try:
@@ -82,7 +82,7 @@ def drive(
     except (Exception, SystemExit) as error:  # whatever a plug-in raises
         if reason := blamed(error):
             now = now_ns / NANOSECONDS
-            raise RunFailed(f"a plug-in failed after {now:.2f} s: {reason}") from error
+            raise PluginFailed(f"a plug-in failed after {now:.2f} s: {reason}") from error
         raise
 
 

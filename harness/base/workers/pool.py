@@ -6,7 +6,7 @@ from contextlib import closing
 from functools import partial
 from typing import Self, TypeVar
 
-from harness.base.errors import RunFailed
+from harness.base.errors import PluginFailed, RunFailed
 from rover_metrics.errors import KnownError
 from rover_metrics.plugins import blamed
 
@@ -87,8 +87,7 @@ def work_off(
 def _keyed(work: Callable[[Item], Outcome], item: tuple[Key, Item]) -> tuple[Key, Outcome]:
     """The outcome of an item with its key.
 
-    What a plug-in raises is told here, as a RunFailed: errors get to whoever gave the work without the
-    lines that led to them.
+    What a plug-in raises is told here: errors get to whoever gave the work without their lines of code.
     """
     try:
         return item[0], work(item[1])
@@ -96,5 +95,5 @@ def _keyed(work: Callable[[Item], Outcome], item: tuple[Key, Item]) -> tuple[Key
         raise
     except (Exception, SystemExit) as error:
         if reason := blamed(error):
-            raise RunFailed(f"a plug-in failed: {reason}") from error
+            raise PluginFailed(f"a plug-in failed: {reason}") from error
         raise

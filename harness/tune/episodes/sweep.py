@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from operator import attrgetter
 
-from harness.base.errors import Diverged, RunFailed
+from harness.base.errors import Diverged, PluginFailed, RunFailed
 from harness.base.workers import Workers, work_off
 from harness.episode import loop
 from harness.episode.assembly import injector, world_of
@@ -50,6 +50,8 @@ def _ending(run: Run, collected: Collected) -> Ending:
                 return Ending.TIPPED_OVER
     except Diverged:
         return Ending.DIVERGED
+    except PluginFailed:
+        raise
     except RunFailed:
         return Ending.LEFT_THE_MAP
     return Ending.TIPPED_OVER if collected.tipped_over else Ending.COMPLETE

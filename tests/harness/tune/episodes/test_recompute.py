@@ -2,12 +2,13 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.lib.stride_tricks import sliding_window_view
 
-from harness.base.errors import Diverged, RunFailed
+from harness.base.errors import Diverged, PluginFailed, RunFailed
 from harness.episode.batch import Batch
 from harness.episode.episode import Episode
 from harness.episode.metrics_feed import SampleFeed, extended_settings
@@ -20,6 +21,7 @@ from harness.tune.episodes.record import Ending
 from harness.tune.episodes.store import decode, encode
 from rover_metrics.core.thresholds import Thresholds
 from rover_metrics.session import MetricsSession
+from tests.support.documents import ROOT
 from tests.support.rovers import LEO, ROVER_ZERO4WD
 
 UPRIGHT = (0.0, 0.0, 0.0, 1.0)
@@ -133,3 +135,10 @@ def test_an_episode_is_kept_up_to_its_end_with_how_it_ended(
     monkeypatch.setattr(sweep, "together", scripted)
     record = sweep.drive(Run.of(terrain="flat", duration=1.0))
     assert (record.ending, len(record.scans)) == (ending, scans)
+
+
+def test_a_driver_that_raises_is_no_rover_that_left_the_map(tmp_path: Path) -> None:
+    text = (ROOT / "examples/plugin/my_rover_parts.py").read_text()
+    (file := tmp_path / "mine.py").write_text(text.replace("rate = 0.5", "rate = 1 // 0"))
+    with pytest.raises(PluginFailed, match="ZeroDivisionError"):
+        sweep.drive(Run.of(terrain="flat", duration=1.0, driver=f"{file}:Weave"))
