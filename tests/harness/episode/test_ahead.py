@@ -4,7 +4,7 @@ import math
 import shutil
 import threading
 from collections.abc import Callable
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 from unittest.mock import patch
@@ -143,6 +143,11 @@ def test_a_rover_whose_model_asks_for_rk4_is_not_stepped_by_halves(tmp_path: Pat
     )
 
 
+@cache
+def undisturbed() -> list[bytes]:
+    return driven(RUNS["two"], ahead=True)
+
+
 @pytest.mark.parametrize(
     "act",
     [
@@ -155,7 +160,7 @@ def test_what_is_ordered_between_two_periods_comes_into_effect_there(
     act: Callable[[Episode], None],
 ) -> None:
     run = RUNS["two"]
-    ahead, plain = driven(run, ahead=True, act=act), driven(run, ahead=True)
+    ahead, plain = driven(run, ahead=True, act=act), undisturbed()
     assert ahead == driven(run, ahead=False, act=act) == driven(run, ahead=True, act=act, haste=3)
     assert ahead[:20] == plain[:20]
     assert ahead != plain
