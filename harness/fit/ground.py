@@ -34,6 +34,7 @@ ALIKE = 1.05  # times the least cost: what also explains the recording
 PLANE = 20.0, 0.1, 0.5
 SETTLING, MEASURED = 0.7, 1.3  # [s] of ours, whose commands act at once
 LIGHT = 0.02  # [m], or of a load: less does not matter
+VAGUE_KINDS = "steady driving of more kinds is missing"
 NEVER_HELD = f"one command held for {SETTLED + LENGTH:g} s is missing"
 
 
@@ -102,8 +103,10 @@ def ground(rover: RoverSpec, some: Steady, like: Steady, workers: Workers, show:
     """
     free, unknown = blanks(rover, some)
     before = driven(rover, like)
+    together: dict[str, Estimate] = {}
     while free:
         estimates = _search(rover, free, some, like, workers, show)
+        estimates = [_as_wide(one, together.setdefault(one.key, one)) for one in estimates]
         vague = [one for one in estimates if not one.is_known]
         if not vague:
             break
@@ -136,9 +139,15 @@ def _search(
     others = [one[0] for one in solutions.values() if one[2] <= ALIKE * best[2] + 1e-3]
     halves = np.maximum(best[1], np.ptp(others, axis=0))
     return [
-        one.judged(value, half, "steady driving of more kinds is missing")
+        one.judged(value, half, VAGUE_KINDS)
         for one, value, half in zip(free, best[0].tolist(), halves.tolist(), strict=True)
     ]
+
+
+def _as_wide(alone: Estimate, together: Estimate) -> Estimate:
+    """What was found without what is too vague, no more certain than what was found together with it."""
+    half = max(alone.half, together.half, abs(alone.after - together.after))
+    return alone.judged(alone.after, half, VAGUE_KINDS) if alone.is_known else alone
 
 
 def _sought(

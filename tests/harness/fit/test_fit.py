@@ -19,11 +19,12 @@ from ruamel.yaml import YAML
 from scipy.spatial.transform import Rotation
 
 from harness.base.errors import UsageError
+from harness.base.workers import workers_of
 from harness.episode.episode import Episode
 from harness.fit.__main__ import main
 from harness.fit.estimate import CERTAIN, Estimate, deviations, fitted, of, with_values
 from harness.fit.folder import write_folder
-from harness.fit.ground import UNITS, differences
+from harness.fit.ground import UNITS, differences, ground
 from harness.fit.motors import motors
 from harness.fit.mount import mount, placed
 from harness.fit.outcome import split
@@ -461,6 +462,32 @@ def test_what_straight_driving_does_not_tell_is_said() -> None:
     assert {key: told[key].after for key in late} == pytest.approx(late, rel=0.02)
     assert told["controller_separation"].why == "turns are missing"
     assert not told["actuators.turn_limit"].is_known
+
+
+def test_what_is_too_vague_widens_the_intervals_of_what_was_found_together_with_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    nothing, side = np.full(6, np.nan), np.array([0.5] * 6)
+    errors = np.array([0.0, 0.0, 0.0, 0.3, -0.3, 0.0])  # straight on, where rolling is told alone
+
+    def driven(rover: RoverSpec, like: Steady) -> Steady:
+        on, spot = 2.0 * of(rover, "tyres.rolling"), 10.0 * of(rover, "tyres.friction")
+        current = np.array([spot + 5.0 * on] * 3 + [on] * 3)
+        return replace(like, left_current=current, right_current=current)
+
+    monkeypatch.setattr("harness.fit.ground.driven", driven)
+    left = side * np.repeat([-1.0, 1.0], 3)
+    blank = Steady(side, left, side, nothing, nothing, nothing, nothing, np.ones(6))
+    true = driven(with_values(HUSKY, [("tyres.friction", 0.8), ("tyres.rolling", 0.1)]), blank)
+    some = replace(
+        true, left_current=true.left_current + errors, right_current=true.right_current + errors
+    )
+    found = {
+        one.key: one for one in ground(HUSKY, some, some, workers_of("local", jobs=1), Mock()).estimates
+    }
+    rolling, friction = found["tyres.rolling"], found["tyres.friction"]
+    assert "too vague" in rolling.why
+    assert 0.05 < friction.after - 0.8 < 1.1 * friction.half  # it has taken on what rolling would be
 
 
 def test_the_mount_of_an_imu_is_that_of_its_forces() -> None:
