@@ -255,7 +255,10 @@ def test_a_program_that_may_end_and_one_that_shows_no_node(
         ("slep 1000", "there is no program 'slep' to launch (slep 1000)"),
     ):
         (case,) = make_cases("{truth.x: {min: -1}}", f"{FAST}launch: [{program}]")
-        assert attempt(case, tmp_path) == Attempt(case, error=told)
+        failed = attempt(case, tmp_path)
+        assert failed == Attempt(case, error=failed.error)
+        assert failed.error is not None
+        assert failed.error.startswith(told)
 
 
 def test_an_episode_that_ends_early_is_judged_and_a_test_that_fails_leaves_its_evidence(
