@@ -88,7 +88,7 @@ def serve(
     with contextlib.suppress(EOFError, ConnectionError):
         while True:
             begun = time.monotonic()
-            if waited < AWAKE:  # who asks has nothing else to do that needs this core
+            if waited < AWAKE:  # else whoever asks does something between steps, and may want this core
                 stay_awake(connection)
             request, *args = connection.recv()
             waited = time.monotonic() - begun
@@ -96,9 +96,9 @@ def serve(
 
 
 def stay_awake(connection: Connection) -> None:
-    """Returns when something can be received, or after AWAKE, but lets others have the core before.
+    """Returns when something can be received, or after AWAKE; gives way to others that want the core.
 
-    Who sleeps is woken late, and whoever wakes it has to wait for that, too.
+    A process that sleeps is woken late, and the one that wakes it waits for the system meanwhile.
     """
     end = time.monotonic() + AWAKE
     while not connection.poll(0) and time.monotonic() < end:

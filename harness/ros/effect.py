@@ -18,7 +18,7 @@ from harness.ros.remote import DISCOVERY_PATIENCE
 from harness.ros.topic_monitor import message_class, offered_quality
 from harness.spec.ros import Effect
 
-START = "start the node of yours that hears the one and answers with the other, in this ROS_DOMAIN_ID"
+START = "start the node that hears the input and publishes the output, in this ROS_DOMAIN_ID"
 
 
 class AwaitedEffect:

@@ -16,7 +16,7 @@ from harness.drivers.base import OF_POLICY
 from harness.episode.assembly import check, tells_energy
 from harness.robots import ROVERS
 from harness.scenario.quantities import LOG
-from harness.scenario.reading import SUFFIX, place_of, read_scenario
+from harness.scenario.reading import SUFFIX, place_quoted, read_scenario
 from harness.scenario.spec import MOST_RUNS, ExpectedFailure, Scenario
 from harness.scenario.steps import (
     AbortEvent,
@@ -134,7 +134,7 @@ def cases_of(path: Path, scenario: Scenario, seeds: Sequence[int] | None = None)
             check(case.run)
             _check_energy(case)
     except UsageError as error:
-        raise UsageError(f"{path}{place_of(path, str(error))}: {error}") from error
+        raise UsageError(f"{path}{place_quoted(path, str(error))}: {error}") from error
     return cases
 
 

@@ -51,7 +51,7 @@ def read_scenario(path: Path) -> Scenario:
     return scenario
 
 
-def place_of(path: Path, problem: str) -> str:
+def place_quoted(path: Path, problem: str) -> str:
     """Returns the `:LINE:COLUMN` of the first text in a file that a problem quotes; "" without one."""
     nodes: list[Any] = [read_yaml(path, with_places=True)]  # of ruamel
     places: list[tuple[int, int]] = []

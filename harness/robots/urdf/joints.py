@@ -117,7 +117,7 @@ def _no_wheels(
         if abs(data.xaxis[joint][0]) > ALONG and _is_endless(model, joint) and name not in bare
     ]
     told = f"; without a <collision>, so no wheels: {', '.join(bare)}" if bare else ""
-    told += f"; {TRACKS}" * (not names)
+    told += "" if names else f"; {TRACKS}"
     if across:
         told += (
             f"; about x, which must point ahead: {', '.join(across)}; put a root link before all, whose "

@@ -211,7 +211,9 @@ class _Reading:
         second.set("name", f"{name}_2")
         if (stated := first.find("pose")) is None:
             stated = SubElement(first, "pose")
-        stated.set("relative_to", reference or child)  # which is the cross's else
+        stated.set(
+            "relative_to", reference or child
+        )  # a pose without that would be in the cross's frame
         return first, second
 
 

@@ -108,10 +108,12 @@ def _check_content(robot: ET.Element, path: Path) -> None:
             raise UsageError(
                 f"{path}: joint '{name}' is {kind}; take it and all above it out: roots are free"
             )
-    for tag in ("link", "joint"):
-        names = Counter(one.get("name", "") for one in robot.findall(tag))
+    links, joints = (
+        Counter(one.get("name", "") for one in robot.findall(tag)) for tag in ("link", "joint")
+    )
+    for what, names in (("links", links), ("joints", joints)):
         if twice := [name for name, times in names.items() if times > 1]:
-            raise UsageError(f"{path}: {names[twice[0]]} {tag}s are called '{twice[0]}'; rename them")
+            raise UsageError(f"{path}: {names[twice[0]]} {what} are called '{twice[0]}'; rename them")
     ends = [{end.tag: end.get("link", "") for end in joint} for joint in robot.findall("joint")]
     above = {end["child"]: [end["parent"]] for end in ends if {"child", "parent"} <= end.keys()}
     try:
@@ -120,7 +122,7 @@ def _check_content(robot: ET.Element, path: Path) -> None:
         loop = " -> ".join(error.args[1])
         raise UsageError(f"{path}: links hang in a loop, {loop}; take a joint of it out") from error
     for mimic in robot.iterfind("joint/mimic"):
-        if (name := mimic.get("joint")) not in names:
+        if (name := mimic.get("joint")) not in joints:
             raise UsageError(f"{path}: a joint mimics '{name}', which is not there; take <mimic> out")
 
 
