@@ -211,9 +211,8 @@ class _Reading:
         second.set("name", f"{name}_2")
         if (stated := first.find("pose")) is None:
             stated = SubElement(first, "pose")
-        stated.set(
-            "relative_to", reference or child
-        )  # a pose without that would be in the cross's frame
+        # A pose without that would be in the frame of the cross.
+        stated.set("relative_to", reference or child)
         return first, second
 
 
