@@ -5,8 +5,8 @@ from the sample, in the same order: a tick's samples first, then the row if a se
 """
 
 import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager, ExitStack, suppress
+from collections.abc import Callable, Generator, Sequence
+from contextlib import AbstractContextManager, ExitStack, closing, suppress
 from dataclasses import replace
 from datetime import datetime
 from functools import partial
@@ -229,10 +229,10 @@ def run_unlogged(
     return account.ended(failure=failure, interrupted=interrupted)
 
 
-def _driven(ticks: Iterator[Tick], pacer: Pacer, stop: StopRequest) -> tuple[str | None, str | None]:
+def _driven(ticks: Generator[Tick], pacer: Pacer, stop: StopRequest) -> tuple[str | None, str | None]:
     """Why a drive ended early, if it did: its failure, and the signal that stopped it."""
     try:
-        with stop.deferred():
+        with stop.deferred(), closing(ticks):
             for tick in ticks:
                 pacer.wait_until(tick.stamp_ns)
     except (RunFailed, LogError) as error:

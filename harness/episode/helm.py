@@ -6,7 +6,7 @@ written as the plan of another run, which then gives the same bytes.
 
 import time
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from functools import partial
 from typing import NamedTuple, Protocol, TypeVar
 
@@ -152,7 +152,7 @@ class Helm(Pacer):
         batches: Iterator[Period],
         rovers: Sequence[Callable[[Order], object]],
         now_ns: Callable[[], int | None],
-    ) -> Iterator[Period]:
+    ) -> Generator[Period]:
         """Yields the batches of each control period; between two of them, orders are followed.
 
         Args:

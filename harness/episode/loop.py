@@ -5,7 +5,8 @@ other observers.
 """
 
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Generator, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -44,15 +45,15 @@ class Route:
 
 
 def drive(
-    batches: Iterable[Sequence[Batch]],
+    batches: Generator[Sequence[Batch]],
     routes: Sequence[Route],
     stop: StopRequest | None = None,
     meanwhile: Callable[[], None] = lambda: None,
-) -> Iterator[Tick]:
+) -> Generator[Tick]:
     """Hands each rover's tick to its sink, as its faults leave it, then its batches to its observers.
 
     Args:
-        batches: Of each control period, one per rover.
+        batches: Of each control period, one per rover; closed at the end, whatever it is.
         routes: Of the rovers, in their order.
         stop: Ends the drive after the batch in which it is requested.
         meanwhile: Is called after each tick, while the next batches are being made.
@@ -65,18 +66,19 @@ def drive(
     """
     now_ns = 0
     try:
-        for period in batches:
-            for ticks in zip(*(batch.ticks for batch in period), strict=True):
-                for tick, route in zip(ticks, routes, strict=True):
-                    route.sink(tick, route.faults.corrupt(tick))
-                now_ns = ticks[0].stamp_ns
-                meanwhile()
-                yield ticks[0]
-            for batch, route in zip(period, routes, strict=True):
-                for observer in route.observers:
-                    observer.take(batch)
-            if stop is not None and stop.signal is not None:
-                return
+        with closing(batches):  # a second core may be at the next ones
+            for period in batches:
+                for ticks in zip(*(batch.ticks for batch in period), strict=True):
+                    for tick, route in zip(ticks, routes, strict=True):
+                        route.sink(tick, route.faults.corrupt(tick))
+                    now_ns = ticks[0].stamp_ns
+                    meanwhile()
+                    yield ticks[0]
+                for batch, route in zip(period, routes, strict=True):
+                    for observer in route.observers:
+                        observer.take(batch)
+                if stop is not None and stop.signal is not None:
+                    return
     except KnownError:
         raise
     except (Exception, SystemExit) as error:  # whatever a plug-in raises

@@ -1,6 +1,6 @@
 """A run as the stream of its batches, and what is ordered of its rovers while the stream is consumed."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
@@ -136,7 +136,7 @@ class EpisodeStream:
         """The simulation time [ns] from which on the next order holds; None if there is no more."""
         return self._progress.next_ns
 
-    def batches(self) -> Iterator[tuple[Batch, ...]]:
+    def batches(self) -> Generator[tuple[Batch, ...]]:
         """Returns the batches of each control period, one by one; errors are those of `Together`."""
         return self._together.batches()
 

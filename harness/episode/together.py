@@ -1,7 +1,7 @@
 """Episodes of one world, driven together: period after period, or ahead on a second core."""
 
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Protocol
 
@@ -71,7 +71,7 @@ class Together:
         # Met too early: of the period that is made next.
         self._error: Exception | SystemExit | None = None
 
-    def batches(self) -> Iterator[tuple[Batch, ...]]:
+    def batches(self) -> Generator[tuple[Batch, ...]]:
         """Yields a batch of each episode, control period after control period.
 
         Raises:
@@ -174,7 +174,7 @@ def together(
     *,
     ahead: bool = False,
     awake: bool = False,
-) -> Iterator[tuple[Batch, ...]]:
+) -> Generator[tuple[Batch, ...]]:
     """Returns the batches of a `Together`, which has these arguments."""
     return Together(episodes, ordered, ahead=ahead, awake=awake).batches()
 

@@ -6,7 +6,7 @@ The first one's bridge publishes /clock, when all have sent the samples of a tic
 
 import time
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from functools import partial
@@ -183,7 +183,7 @@ class _Session:
         ended = [account.ended(failure=failure, interrupted=interrupted) for account in accounts]
         return self._counted(ended)
 
-    def _batches(self, helm: Helm | None) -> Iterator[tuple[Batch, ...]]:
+    def _batches(self, helm: Helm | None) -> Generator[tuple[Batch, ...]]:
         """The batches of each control period, between which a helm's orders are handed on."""
         source = self._source
         if helm is None:

@@ -1,6 +1,6 @@
 """A trial: one seeded drive whose topics a node under test hears, stepped by the test."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -322,7 +322,7 @@ class Trial(LeavesEvidence):
     def _command(self, twist: Twist) -> None:
         self._episode.command(twist)
 
-    def _batches(self) -> Iterator[tuple[Batch]]:
+    def _batches(self) -> Generator[tuple[Batch]]:
         """The batches of one episode after the other, on one time."""
         episode, began_ns = self._episode, 0
         batches = episode.batches()

@@ -1,6 +1,7 @@
 """The loop over scripted batches: who gets what, and when; and how fast it may go."""
 
 from dataclasses import replace
+from inspect import GEN_CLOSED, getgeneratorstate
 
 import pytest
 
@@ -48,7 +49,7 @@ def test_each_rovers_tick_goes_through_its_faults_to_its_sink_then_its_batch_to_
         Route(FaultInjector((), 0), one.sink, one.observers),
         Route(FaultInjector(parse_faults(("pose:dropout@0.03",)), 0), other.sink, other.observers[:1]),
     )
-    for given in drive(zip(BATCHES, doubled, strict=True), routes):
+    for given in drive((each for each in zip(BATCHES, doubled, strict=True)), routes):
         one.lines.append(f"given {given.stamp_ns // TICK_NS}")
         assert len(given.samples) == 1, "those of the first rover"
     assert one.lines == [
@@ -56,6 +57,17 @@ def test_each_rovers_tick_goes_through_its_faults_to_its_sink_then_its_batch_to_
         *("3: 1", "given 3", "4: 1", "given 4", "a 4", "b 4"),
     ]
     assert other.lines == ["1: 2", "2: 2", "a 2", "3: 0", "4: 0", "a 4"]
+
+
+def test_a_bug_of_an_observer_ends_what_makes_the_batches() -> None:
+    class Buggy:
+        def take(self, taken: Batch) -> None:
+            raise ValueError(taken)
+
+    made = ((batch,) for batch in BATCHES)
+    with pytest.raises(ValueError):  # noqa: PT011 - as a program shows it: the frames are still there
+        list(drive(made, [Route(FaultInjector((), 0), lambda *_: None, (Buggy(),))]))
+    assert getgeneratorstate(made) == GEN_CLOSED, "else a second core simulates on at the end"
 
 
 class FakeTime:
