@@ -12,21 +12,20 @@ from harness.course.result import EpisodeResult, result_of
 from harness.course.task import Case, Task
 from harness.episode.assembly import world_of
 from harness.episode.batch import Batch
-from harness.testing.listener import TrialListener
 from harness.testing.process import Programs
 from harness.testing.trial import Trial
 
 OUTPUT = "output.txt"
 
 
-class _Watch(TrialListener):
+class _NodeTrial(Trial):
     """Starts the entry's program, and shows the referee every batch."""
 
-    def __init__(self, about: EntryFile, referee: Referee, folder: Path) -> None:
+    def __init__(self, task: Task, about: EntryFile, referee: Referee, folder: Path) -> None:
+        super().__init__(task.run, cmd_vel="auto")
         self._about, self._referee, self._folder = about, referee, folder
 
-    def begin_programs(self, programs: Programs) -> None:
-        """Starts the entry's command in its folder."""
+    def _begin_programs(self, programs: Programs) -> None:
         programs.begin(self._about.launch, self._folder, self._folder / OUTPUT)
 
     def take(self, batch: Batch) -> None:
@@ -47,7 +46,7 @@ def drive_node(case: Case, task: Task, about: EntryFile, folder: Path) -> Episod
         UsageError: Its node does not turn up.
     """
     referee, failure = Referee(task, world_of(task.run)), ""
-    with Trial(task.run, listener=_Watch(about, referee, folder), cmd_vel="auto") as trial:
+    with _NodeTrial(task, about, referee, folder) as trial:
         commands = trial.bridge.commands
 
         def is_heard() -> bool:

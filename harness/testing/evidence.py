@@ -1,14 +1,11 @@
 """What a trial leaves if it fails: a recording of its topics and a page about its last episode."""
 
-import sys
 import tempfile
 import time
-from abc import ABC, abstractmethod
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Self
 
-from harness.base.errors import HarnessError
 from harness.episode.batch import Batch, EpisodeInfo
 from harness.episode.result import RunAccount, RunResult, TopicCount
 from harness.messages.recorder import Recorder
@@ -19,43 +16,6 @@ from harness.ros.tap import Tap
 from harness.spec.run import Run
 
 RECORDING, PAGE = "trial.mcap", "trial.html"
-
-
-class LeavesEvidence(ABC):
-    """A context that keeps what it has recorded if an exception ends it.
-
-    Attributes:
-        artifacts: Folder for that; None for none, and once it is there.
-    """
-
-    def __init__(self, artifacts: Path | None) -> None:
-        self.artifacts, self._has_evidence = artifacts, False
-        self._at_end = ExitStack()
-
-    @abstractmethod
-    def keep(self, folder: Path, reason: str) -> tuple[Path, ...]:
-        """Puts what there is to see, with the reason of the failure, into a folder; returns where."""
-
-    def __exit__(self, _: object, error: BaseException | None, __: object) -> None:
-        with self._at_end:
-            if error is not None and (lines := self.keep_evidence(f"{type(error).__name__}: {error}")):
-                print(lines, file=sys.stderr)
-
-    def keep_evidence(self, reason: str) -> str:
-        """Keeps in `artifacts` what `keep` does, once, with the first line of the reason of the failure.
-
-        Returns:
-            Where it is, in a line each, or why it is not; nothing if there is nothing to keep, or it was
-            kept already.
-        """
-        folder, self.artifacts = self.artifacts, None
-        if folder is None or not self._has_evidence:
-            return ""
-        try:
-            kept = self.keep(folder, next(iter(reason.splitlines()), "an exception"))
-        except (HarnessError, OSError) as error:
-            return f"nothing could be kept of this trial: {error}"
-        return "\n".join(f"kept: {path}" for path in kept)
 
 
 class Recording(ExitStack):
