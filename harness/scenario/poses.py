@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.spatial.transform import Rotation
+import scipy  # loads a part of it when that is named
 
 from harness.base.sim_time import NANOSECONDS
 from harness.episode.batch import Batch
@@ -56,7 +56,7 @@ def _matrix(position: Any, orientation: Any) -> np.ndarray:  # noqa: ANN401
     q = np.array(quaternion(orientation), dtype=float)
     pose = np.full((4, 4), np.nan)
     if np.isfinite(q).all() and q.any():
-        pose[:3, :3] = Rotation.from_quat(q).as_matrix()
+        pose[:3, :3] = scipy.spatial.transform.Rotation.from_quat(q).as_matrix()
     pose[:3, 3], pose[3] = vector(position), (0.0, 0.0, 0.0, 1.0)
     return pose
 
