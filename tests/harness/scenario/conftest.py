@@ -1,7 +1,7 @@
 """Runs over a scripted episode: 2 s without physics, in which a rock hazard is touched at 1.02 s."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -76,8 +76,8 @@ def driven(monkeypatch: pytest.MonkeyPatch) -> list[Run]:
     monkeypatch.setattr(direct, "Episode", Scripted)
     monkeypatch.setattr(episode, "episodes_of", lambda run, *_: (Scripted(run),))
 
-    def together(made: Iterable[Scripted], *_: object, **__: object) -> Iterator[tuple[Batch, ...]]:
-        return zip(*(each.batches() for each in made), strict=True)
+    def together(made: Iterable[Scripted], *_: object, **__: object) -> Generator[tuple[Batch, ...]]:
+        yield from zip(*(each.batches() for each in made), strict=True)
 
     def side_by_side(*made: Any, **_: object) -> SimpleNamespace:  # noqa: ANN401 - as it is called
         return SimpleNamespace(batches=lambda: together(*made), hasten=lambda: None)
