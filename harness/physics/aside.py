@@ -4,6 +4,8 @@ import ctypes
 import os
 import threading
 import time
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import mujoco
 import numpy as np
@@ -95,21 +97,14 @@ def serve(
                 stay_awake(steps, False, system)
 
 
+@dataclass(eq=False)
 class Errand:
-    """Something that the thread which steps does with the state at the end, without the interpreter.
+    """Something that the thread which steps does with the state at the end, without the interpreter."""
 
-    Attributes:
-        is_done: Whether it is done since it was ordered.
-    """
-
-    is_done = False
-
-    def passed(self, data: mujoco.MjData) -> tuple[int, int]:
-        """Returns the `entry` of a kernel that never fails and what it takes, for a state.
-
-        They are asked for once, and must hold as long as the state is stepped.
-        """
-        raise NotImplementedError
+    # returns the `entry` of a kernel that never fails and what it takes, for a state; asked for once,
+    # they must hold as long as the state is stepped
+    passed: Callable[[mujoco.MjData], tuple[int, int]]
+    is_done: bool = False  # whether it is done since it was ordered
 
 
 class Aside:

@@ -23,7 +23,7 @@ from harness.physics.rover import Rover, State
 from harness.physics.scene import Scene
 from harness.physics.settling import settle
 from harness.physics.soil import soil_bed
-from harness.physics.stepping import Offer, Span
+from harness.physics.stepping import Span
 from harness.physics.stepping_record import SPAN
 from harness.physics.world_geoms import soil_ground
 from harness.robots.model import keep_mujoco_quiet
@@ -197,9 +197,10 @@ class Physics:
             steps = len(ticks) * self.steps_per_tick
             self._is_launched = self._ahead.launch(steps, self.steps_per_tick, errands)
 
-    def offer(self) -> Offer | None:
+    def offer(self) -> tuple[int, int, int, int] | None:
         """Returns what another thread may do instead of the next `run`, with no contact watched.
 
+        It is what `steps_kernel.advance` takes: RECORD, BEGIN, END and PER_TICK of `stepping_record`.
         Until it has been given to `take` nobody may look. None where rovers park or set off within
         these ticks, or where they are done already.
         """
@@ -209,7 +210,7 @@ class Physics:
         self._prepare(watched=False)
         self._hold(ticks[0])
         per_tick = self.steps_per_tick
-        return Offer(self._span.passed(self.contacts), 0, len(ticks) * per_tick, per_tick)
+        return self._span.passed(self.contacts), 0, len(ticks) * per_tick, per_tick
 
     def take(self, ended: int) -> None:
         """Takes note of where the steps ended that were offered, for the next `run`."""

@@ -2,7 +2,7 @@
 
 import threading
 from collections.abc import Iterable, Iterator, Sequence
-from typing import Protocol
+from typing import TYPE_CHECKING
 from weakref import finalize
 
 import numpy as np
@@ -11,24 +11,16 @@ from numpy.typing import NDArray
 from harness.base import native_lock
 from harness.base.compiled import entry, inlined, kernel, run_entry
 from harness.base.native_lock import release_natively, take_natively
-from harness.physics.stepping import Offer
 from harness.physics.stepping_record import ENDED
 from harness.physics.steps_kernel import advance
+
+if TYPE_CHECKING:
+    from harness.physics.physics import Physics
 
 # Of each slot, behind what `advance` takes: a lock that is released when it may be stepped, and taken by
 # who steps it; one that is released when a thread of the pool has done so; NONE, BEGUN or STEPPED.
 READY, DONE, STATE = range(ENDED + 1, ENDED + 4)
 NONE, BEGUN, STEPPED = range(3)  # nothing is offered; any thread may step it; this one knows that it is
-
-
-class World(Protocol):
-    """A world that may be stepped by others."""
-
-    def offer(self) -> Offer | None:
-        """Returns what it would do in its next `run`; None if it has to do that itself."""
-
-    def take(self, ended: int) -> None:
-        """Takes note that its steps are done, up to that one."""
 
 
 @inlined
@@ -101,10 +93,10 @@ class Pool:
         ]
         for thread in made:
             thread.start()
-        self._worlds: list[World] = []
+        self._worlds: list[Physics] = []
         self.close = finalize(self, _close, self._slots, self._bells, made)  # nobody has to say it
 
-    def step(self, worlds: Iterable[World]) -> Iterator[int]:
+    def step(self, worlds: "Iterable[Physics]") -> Iterator[int]:
         """Has worlds stepped that offer it, the first ones while others are still made ready.
 
         Yields:

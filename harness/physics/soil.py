@@ -5,12 +5,11 @@ from typing import TYPE_CHECKING
 
 import mujoco
 import numpy as np
-from numpy.typing import NDArray
 
 from harness.base.errors import UsageError
 from harness.physics.scene import Scene
 from harness.physics.world_geoms import TERRAIN, soil_ground
-from harness.robots.model import COLLIDING_GROUP
+from harness.robots.model import COLLIDING_GROUP, reach
 
 if TYPE_CHECKING:
     from harness.soil.bed import Bed
@@ -65,34 +64,12 @@ def _roundness(model: mujoco.MjModel, data: mujoco.MjData, joint: int) -> float:
     across = np.linalg.svd(data.xaxis[joint][None])[2][1:]  # two directions off the axle
     angles = np.linspace(0.0, 2.0 * np.pi, 48)
     rays = np.stack([np.cos(angles), np.sin(angles)], axis=1) @ across
-    reach = np.zeros(len(angles))
+    farthest = np.zeros(len(angles))
     for geom in np.flatnonzero(geoms & (model.geom_group == COLLIDING_GROUP)).tolist():
         hub = data.geom_xpos[geom] - data.xanchor[joint]
-        own = _reach(model, geom, rays @ data.geom_xmat[geom].reshape(3, 3))
-        reach = np.maximum(reach, rays @ hub + own)
-    return float(reach.min() / reach.max())
-
-
-def _reach(model: mujoco.MjModel, geom: int, rays: NDArray[np.float64]) -> NDArray[np.float64]:
-    """How far a geom reaches from its middle along directions in its own frame [m], shape (n, 3)."""
-    kind, size, reach = mujoco.mjtGeom(model.geom_type[geom]), model.geom_size[geom], np.zeros(len(rays))
-    x, y, z = np.abs(rays.T)
-    match kind:
-        case mujoco.mjtGeom.mjGEOM_MESH:
-            mesh = model.geom_dataid[geom]
-            corners = model.mesh_vert[model.mesh_vertadr[mesh] :][: model.mesh_vertnum[mesh]]
-            reach += (rays @ corners.T).max(axis=1)
-        case mujoco.mjtGeom.mjGEOM_BOX:
-            reach += size[0] * x + size[1] * y + size[2] * z
-        case mujoco.mjtGeom.mjGEOM_ELLIPSOID:
-            reach += np.linalg.norm(size * rays, axis=1)
-        case mujoco.mjtGeom.mjGEOM_CYLINDER:
-            reach += size[0] * np.hypot(x, y) + size[1] * z
-        case mujoco.mjtGeom.mjGEOM_CAPSULE:
-            reach += size[0] + size[1] * z
-        case _:  # a sphere
-            reach += size[0]
-    return reach
+        own = reach(model, geom, rays @ data.geom_xmat[geom].reshape(3, 3))
+        farthest = np.maximum(farthest, rays @ hub + own)
+    return float(farthest.min() / farthest.max())
 
 
 def _wheels(scene: Scene, data: mujoco.MjData) -> list["SoilWheel"]:

@@ -1,7 +1,5 @@
 """The clock ticks that are simulated in one go: what is commanded before, what each was like after."""
 
-from typing import NamedTuple
-
 import mujoco
 import numpy as np
 
@@ -20,22 +18,6 @@ from harness.physics.stepping_record import (
     Integers,
 )
 from harness.physics.steps_kernel import advance, is_wrong
-
-
-class Offer(NamedTuple):
-    """Steps of a world that any thread may do, as `steps_kernel.advance` takes them.
-
-    Attributes:
-        record: The address of what is stepped.
-        begin: The step to begin with, counted from the first tick's first one.
-        end: The step to end before, counted alike.
-        per_tick: Steps of a tick.
-    """
-
-    record: int
-    begin: int
-    end: int
-    per_tick: int
 
 
 class Span:

@@ -87,23 +87,6 @@ def _look(
         row[7:] = qpos[poses[rover] : poses[rover] + 7]
 
 
-@inlined
-def _look_at_all(
-    pointers: tuple[int, int, int],
-    state: tuple[Doubles, Doubles],
-    contacts: Contacts,
-    watched: Watched,
-    tick: int,
-) -> bool:
-    counts, touches = watched[0], False
-    for rover in range(counts.shape[0]):
-        if np.any(state[1][counts[rover, 0] : counts[rover, 1]]):
-            touches = True
-            if contacts[1].size:
-                _look(pointers, state[0], contacts, watched, (rover, tick))
-    return touches
-
-
 @kernel(
     "boolean(UniTuple(int64, 3), UniTuple(float64[::1], 2),"
     "Tuple((int32[::1], float64[:,::1], int32[:,::1], int64[::1])),"
@@ -128,7 +111,13 @@ def look(
     Returns:
         Whether a rover touches something.
     """
-    return _look_at_all(pointers, state, contacts, watched, tick)
+    counts, touches = watched[0], False
+    for rover in range(counts.shape[0]):
+        if np.any(state[1][counts[rover, 0] : counts[rover, 1]]):
+            touches = True
+            if contacts[1].size:
+                _look(pointers, state[0], contacts, watched, (rover, tick))
+    return touches
 
 
 @inlined
@@ -170,7 +159,7 @@ def advance(steps: int) -> None:
             sums[tick] = 0.0
         _step(step_second if is_begun and step == begin else step_whole, (model, data))
         sums[tick] += sensors
-        touches = _look_at_all((force, model, data), (state[0], sensors), contacts, watched, tick)
+        touches = look((force, model, data), (state[0], sensors), contacts, watched, tick)
         is_last = within == per_tick - 1
         if is_last:
             for part in range(len(state)):

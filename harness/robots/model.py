@@ -196,29 +196,28 @@ def extent(
     """
     low, high = np.full(3, math.inf), np.full(3, -math.inf)
     for geom in geoms:
-        axes = data.geom_xmat[geom].reshape(3, 3)
-        if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_MESH:
-            mesh = model.mesh(model.geom_dataid[geom])
-            first, count = int(mesh.vertadr[0]), int(mesh.vertnum[0])
-            corners = data.geom_xpos[geom] + model.mesh_vert[first : first + count] @ axes.T
-            ends = corners.min(axis=0), corners.max(axis=0)
-        else:
-            centre = data.geom_xpos[geom] + axes @ model.geom_aabb[geom, :3]
-            half = _half(mujoco.mjtGeom(model.geom_type[geom]), axes, model.geom_aabb[geom, 3:])
-            ends = centre - half, centre + half
-        low, high = np.minimum(low, ends[0]), np.maximum(high, ends[1])
+        place, axes = data.geom_xpos[geom], data.geom_xmat[geom].reshape(3, 3)
+        low = np.minimum(low, place - reach(model, geom, -axes))
+        high = np.maximum(high, place + reach(model, geom, axes))
     return low, high
 
 
-def _half(kind: mujoco.mjtGeom, axes: np.ndarray, half: np.ndarray) -> np.ndarray:
-    """Half the extent along x, y, z of a shape with these axes [m], whose half in them is given."""
+def reach(model: mujoco.MjModel, geom: int, directions: np.ndarray) -> np.ndarray:
+    """Returns how far a geom reaches from its place along unit vectors in its frame (n, 3) [m]."""
+    if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_MESH:
+        mesh = model.mesh(model.geom_dataid[geom])
+        corners = model.mesh_vert[mesh.vertadr[0] :][: mesh.vertnum[0]]
+        return np.asarray((corners @ directions.T).max(axis=0))
+    kind, half = mujoco.mjtGeom(model.geom_type[geom]), model.geom_aabb[geom, 3:]
+    level, up = np.hypot(directions[:, 0], directions[:, 1]), np.abs(directions[:, 2])
+    own = np.abs(directions) @ half
     if kind in (mujoco.mjtGeom.mjGEOM_SPHERE, mujoco.mjtGeom.mjGEOM_ELLIPSOID):
-        return np.asarray(np.hypot.reduce(axes * half, axis=1))
-    if kind == mujoco.mjtGeom.mjGEOM_CYLINDER:
-        return np.asarray(half[0] * np.hypot(axes[:, 0], axes[:, 1]) + half[2] * np.abs(axes[:, 2]))
-    if kind == mujoco.mjtGeom.mjGEOM_CAPSULE:
-        return np.asarray(half[0] + (half[2] - half[0]) * np.abs(axes[:, 2]))
-    return np.asarray(np.abs(axes) @ half)
+        own = np.hypot.reduce(directions * half, axis=1)
+    elif kind == mujoco.mjtGeom.mjGEOM_CYLINDER:
+        own = half[0] * level + half[2] * up
+    elif kind == mujoco.mjtGeom.mjGEOM_CAPSULE:
+        own = half[0] + (half[2] - half[0]) * up
+    return np.asarray(directions @ model.geom_aabb[geom, :3] + own)
 
 
 def body_box(model: mujoco.MjModel, data: mujoco.MjData, body: int) -> np.ndarray:

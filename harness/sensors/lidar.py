@@ -39,9 +39,17 @@ class Lidar:
         beams = directions(self.spec.angles)
         return RayBundle(self.surroundings, beams, self.spec.range_max)
 
-    def aside(self, model: mujoco.MjModel) -> "ScanAside":
-        """Returns a scan that the thread which simulates ahead can make, where no meshes may be met."""
-        return ScanAside(model, self._site, self._bundle())
+    def aside(self, model: mujoco.MjModel) -> tuple[Errand, NDArray[np.float64]]:
+        """Returns a scan that the thread which simulates ahead can make, and where its distances come.
+
+        It is for scenes in which no meshes may be met.
+        """
+        rays = self._bundle()
+
+        def passed(data: mujoco.MjData) -> tuple[int, int]:
+            return entry(cast_rays_of), rays.passed_at(self._site, model, data)
+
+        return Errand(passed), rays.distances
 
     def scan(self, data: mujoco.MjData) -> NDArray[np.float32]:
         """Returns the ranges [m] of one revolution, shape (beams,), in a new array.
@@ -63,20 +71,3 @@ class Lidar:
         """Returns distances [m] as ranges of a scan: -inf below range_min; the argument changes, too."""
         distances[distances < self.spec.range_min] = -np.inf
         return distances.astype(np.float32)
-
-
-class ScanAside(Errand):
-    """A scan of what another thread has simulated, made there, without Python.
-
-    Args:
-        model: The compiled scene.
-        site: Index of the site from which it is made.
-        rays: Cast by nobody else; then they have the distances.
-    """
-
-    def __init__(self, model: mujoco.MjModel, site: int, rays: RayBundle) -> None:
-        self._model, self._site, self.rays = model, site, rays
-
-    def passed(self, data: mujoco.MjData) -> tuple[int, int]:
-        """Returns the addresses of the kernel that casts the rays, and of what it takes."""
-        return entry(cast_rays_of), self.rays.passed_at(self._site, self._model, data)

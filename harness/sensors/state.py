@@ -7,12 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.sim_time import HIGHEST_RATE
+from harness.physics.aside import Errand
 from harness.physics.crowd import Crowd
 from harness.physics.simulation import Simulation
 from harness.physics.truth.recorder import TruthRecorder
 from harness.samples import ActorPoses, GroundTruth, Imu, JointStates, LaserScan, Pose, TruthState
 from harness.sensors.base import EpisodeParts, Sensor
-from harness.sensors.lidar import Lidar, ScanAside
+from harness.sensors.lidar import Lidar
 
 PEOPLE_RATE = 30  # [Hz]
 
@@ -80,7 +81,8 @@ class LidarSensor(Sensor):
     def __init__(self, simulation: Simulation, lidar: Lidar, period_ticks: int) -> None:
         super().__init__(simulation, period_ticks)
         self._lidar = lidar
-        self._aside: ScanAside | None = None
+        self._aside: Errand | None = None
+        self._distances = np.empty(0)  # of what it has scanned
 
     @classmethod
     def of(cls, parts: EpisodeParts, period_ticks: int) -> "LidarSensor | None":
@@ -88,10 +90,10 @@ class LidarSensor(Sensor):
         return None if parts.lidar is None else cls(parts.simulation, parts.lidar, period_ticks)
 
     @property
-    def errand(self) -> ScanAside | None:
+    def errand(self) -> Errand | None:
         """The scan; None where meshes may be met."""
         if self._aside is None and not self._lidar.surroundings.has_meshes:
-            self._aside = self._lidar.aside(self._simulation.model)
+            self._aside, self._distances = self._lidar.aside(self._simulation.model)
         return self._aside
 
     def read(self) -> LaserScan:
@@ -99,7 +101,7 @@ class LidarSensor(Sensor):
         simulation, aside = self._simulation, self._aside
         if aside is not None and aside.is_done:
             aside.is_done = False
-            return LaserScan(simulation.time_ns, self._lidar.coded(aside.rays.distances))
+            return LaserScan(simulation.time_ns, self._lidar.coded(self._distances))
         return LaserScan(simulation.time_ns, self._lidar.scan(simulation.data))
 
 

@@ -24,8 +24,8 @@ Interval = tuple[float, float]  # of t; empty if its begin lies behind its end
 
 
 @inlined
-def _slab(start: float, speed: float, low: float, high: float) -> Interval:
-    """Where along a ray one coordinate lies within low..high."""
+def slab(start: float, speed: float, low: float, high: float) -> Interval:
+    """Returns where along a ray one coordinate lies within low..high."""
     if speed == 0.0:
         if low <= start <= high:
             return -math.inf, math.inf
@@ -37,15 +37,15 @@ def _slab(start: float, speed: float, low: float, high: float) -> Interval:
 @inlined
 def _over_map(heights: NDArray[np.float32], ray: Ray) -> Interval:
     """Where a ray is above, in or below the map, ahead of its origin or behind it."""
-    begin_u, end_u = _slab(ray[0], ray[3], 0.0, heights.shape[1] - 1.0)
-    begin_v, end_v = _slab(ray[1], ray[4], 0.0, heights.shape[0] - 1.0)
+    begin_u, end_u = slab(ray[0], ray[3], 0.0, heights.shape[1] - 1.0)
+    begin_v, end_v = slab(ray[1], ray[4], 0.0, heights.shape[0] - 1.0)
     return max(begin_u, begin_v), min(end_u, end_v)
 
 
 @inlined
 def _hit_base(ray: Ray, over_map: Interval, bottom: float) -> float:
     """First t >= 0 on a face of the base box, from outside or from within."""
-    begin, end = _slab(ray[2], ray[5], bottom, 0.0)
+    begin, end = slab(ray[2], ray[5], bottom, 0.0)
     begin, end = max(begin, over_map[0]), min(end, over_map[1])
     if begin > end or end < 0.0:
         return MISS

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.compiled import inlined, kernel
+from harness.sensors.rays.heightfield_kernel import MISS, Interval, slab
 
-MISS = math.inf
 SLACK = 1e-6  # [rad]
 BOX = int(mujoco.mjtGeom.mjGEOM_BOX)
 CYLINDER = int(mujoco.mjtGeom.mjGEOM_CYLINDER)
@@ -22,18 +22,6 @@ CAPSULE = int(mujoco.mjtGeom.mjGEOM_CAPSULE)
 ELLIPSOID = int(mujoco.mjtGeom.mjGEOM_ELLIPSOID)
 
 Vector = tuple[float, float, float]
-Interval = tuple[float, float]  # of t; empty if its begin lies behind its end
-
-
-@inlined
-def _slab(start: float, speed: float, half_size: float) -> Interval:
-    """Where along a ray one coordinate lies within -half_size..half_size."""
-    if speed == 0.0:
-        if abs(start) <= half_size:
-            return -math.inf, math.inf
-        return math.inf, -math.inf
-    one, other = (-half_size - start) / speed, (half_size - start) / speed
-    return min(one, other), max(one, other)
 
 
 @inlined
@@ -68,7 +56,7 @@ def _capsule(start: Vector, speed: Vector, size: Vector) -> Interval:
     """Where along a ray it lies in a cylinder of that radius and half length, or in a ball at an end."""
     inverse = 1.0 / size[0]
     round_begin, round_end = _ball(start, speed, (inverse, inverse, 0.0))
-    flat_begin, flat_end = _slab(start[2], speed[2], size[1])
+    flat_begin, flat_end = slab(start[2], speed[2], -size[1], size[1])
     inside = max(round_begin, flat_begin), min(round_end, flat_end)
     scale = (inverse, inverse, inverse)
     upper = _ball((start[0], start[1], start[2] - size[1]), speed, scale)
@@ -83,14 +71,14 @@ def _hit_shape(kind: int, size: Vector, start: Vector, speed: Vector) -> float:
         begin, end = _ball(start, speed, (1.0 / size[0], 1.0 / size[1], 1.0 / size[2]))
     elif kind == CYLINDER:
         round_begin, round_end = _ball(start, speed, (1.0 / size[0], 1.0 / size[0], 0.0))
-        flat_begin, flat_end = _slab(start[2], speed[2], size[1])
+        flat_begin, flat_end = slab(start[2], speed[2], -size[1], size[1])
         begin, end = max(round_begin, flat_begin), min(round_end, flat_end)
     elif kind == CAPSULE:
         begin, end = _capsule(start, speed, size)
     else:
-        x_begin, x_end = _slab(start[0], speed[0], size[0])
-        y_begin, y_end = _slab(start[1], speed[1], size[1])
-        z_begin, z_end = _slab(start[2], speed[2], size[2])
+        x_begin, x_end = slab(start[0], speed[0], -size[0], size[0])
+        y_begin, y_end = slab(start[1], speed[1], -size[1], size[1])
+        z_begin, z_end = slab(start[2], speed[2], -size[2], size[2])
         begin, end = max(x_begin, y_begin, z_begin), min(x_end, y_end, z_end)
     if begin > end or end < 0.0:
         return MISS
