@@ -38,9 +38,7 @@ class Files(Value):
     picture_lidar: Annotated[bool, Option("")] = Field(
         default=False, description="show the lidar's hits and some of its beams"
     )
-    camera: Annotated[
-        Literal["", "chase", "top", "side"], Option("VIEW", choices=("chase", "top", "side"))
-    ] = Field(
+    camera: Annotated[Literal["", "chase", "top", "side"], Option("VIEW")] = Field(
         default="", description="of picture and video; default: where much is seen, and from behind"
     )
     fail_on: Annotated[tuple[Kind, ...], listed(","), Option("KIND[,...]")] = Field(

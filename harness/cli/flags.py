@@ -3,7 +3,7 @@
 import argparse
 from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, get_args, get_origin
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
@@ -38,6 +38,7 @@ def add_flags(
                 flag, *option.also, dest=name, action="store_true", default=argparse.SUPPRESS, help=text
             )
             continue
+        is_named = get_origin(field.annotation) is Literal
         is_list = isinstance(field.default, tuple) and not option.many and field.default == ()
         group.add_argument(
             flag,
@@ -47,7 +48,7 @@ def add_flags(
             nargs="+" if option.many else "?" if option.bare is not None else None,
             const=option.bare,
             type=Path if field.annotation in (Path, Path | None) else str,
-            choices=option.choices or None,
+            choices=[*filter(None, get_args(field.annotation))] if is_named else None,
             default=argparse.SUPPRESS,
             metavar=option.metavar,
             help=f"{text}{_default(field, text)}".replace("%", "%%"),

@@ -41,7 +41,7 @@ def _read(folder: Path, _: tuple[object, ...]) -> RoverSpec:
     from harness.robots.measures import Measures  # noqa: PLC0415
 
     facts = {"name": folder.name, "folder": folder, "model": stated.model or _only_model(folder)}
-    measures = Measures(RoverSpec.unchecked(**stated.__dict__ | facts))
+    measures = Measures(RoverSpec.model_construct(**stated.__dict__ | facts))
     return made(RoverSpec, measures.derived() | values | facts | measures.facts(), str(path))
 
 

@@ -2,7 +2,6 @@
 
 import json
 import math
-from functools import cache
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -53,7 +52,7 @@ class RoverFile(Value):
         default="", description="file name of the MJCF model; default: FOLDER.xml, or the only .xml"
     )
     summary: str = _measured("what the rover is, in a line")
-    drive: Drive = Field(default=Drive.unchecked(), description="which joints drive and steer")
+    drive: Drive = Field(default=Drive.model_construct(), description="which joints drive and steer")
     odometry_child_frame: str = _measured("frame of the base")
     imu_frame: str = _measured("frame of the IMU")
     lidar_frame: str = Field(default="lidar_link", description="frame of the lidar, and so of /scan")
@@ -99,7 +98,7 @@ class RoverFile(Value):
         default=None, description="what the motors can do, for --actuators real"
     )
     battery: BatteryPack | None = Field(default=None, description="for the sensor `battery`")
-    tyres: Tyres = Field(default=Tyres.unchecked(), description="how the wheels meet the ground")
+    tyres: Tyres = Field(default=Tyres.model_construct(), description="how the wheels meet the ground")
     surfaces: dict[str, Surface] = Field(
         default_factory=dict, description="by name, for --surface: tyres on it and what it shakes"
     )
@@ -203,12 +202,8 @@ class RoverSpec(RoverFile, ModelFacts):
 
 def schema() -> str:
     """Returns the JSON schema of rover.yaml as text, for editors."""
-    return json.dumps(_rules(), indent=1, ensure_ascii=False) + "\n"
-
-
-@cache
-def _rules() -> dict[str, Any]:
-    return RoverFile.model_json_schema() | {"title": "rover.yaml"}
+    rules = RoverFile.model_json_schema() | {"title": "rover.yaml"}
+    return json.dumps(rules, indent=1, ensure_ascii=False) + "\n"
 
 
 def _named(count: int, side: str) -> tuple[str, ...]:

@@ -35,7 +35,7 @@ class NoisePreset:
     wheel_radius: float = 0.0
     # variances that wheel odometry states of speed [m^2/s^2] and yaw rate [rad^2/s^2]; 0, 0 for none
     twist_variance: tuple[float, float] = (0.0, 0.0)
-    ranges: RangeErrors = field(default_factory=RangeErrors.unchecked)
+    ranges: RangeErrors = field(default_factory=RangeErrors.model_construct)
     # what shakes the IMU before its own errors come on top; None for nothing
     chatter: ContactChatter | None = None
 
@@ -46,7 +46,7 @@ WHITE = NoisePreset(
     # Roots of the covariances 1e-3 and 1e-6 in leo_bringup's firmware_message_converter.yaml.
     acceleration=AxisErrors(white=0.032),
     angular_velocity=AxisErrors(white=0.001),
-    ranges=RangeErrors.unchecked(white=0.01),  # estimate
+    ranges=RangeErrors.model_construct(white=0.01),  # estimate
 )
 
 HARDWARE = NoisePreset(
@@ -73,7 +73,7 @@ HARDWARE = NoisePreset(
     twist_variance=(1e-4, 1e-3),  # leo_bringup's firmware_message_converter.yaml
     # Estimates for an RPLIDAR S2: +-30 mm (some say 50) taken as three deviations, 13 mm resolution,
     # 1 % lost.
-    ranges=RangeErrors.unchecked(white=0.010, step=0.013, dropout=0.01),
+    ranges=RangeErrors.model_construct(white=0.010, step=0.013, dropout=0.01),
 )
 
 GAZEBO = NoisePreset(

@@ -47,7 +47,7 @@ class RangeOptions(SensorOptions):
     lost: ClassVar[float] = math.inf
     range_min: NotNegative
     range_max: Length
-    noise: RangeErrors = RangeErrors.unchecked()
+    noise: RangeErrors = RangeErrors.model_construct()
 
     @property
     def rays(self) -> int:

@@ -43,8 +43,7 @@ class LiveOptions(Value):
     """Where a run can be watched and steered; nowhere if there is no `live`."""
 
     live: Annotated[
-        str | None,
-        AfterValidator(checked(lambda text: text is None or address_of(text))),
+        Annotated[str, AfterValidator(checked(address_of))] | None,
         Option("[HOST:]PORT", bare=f"{HERE}:{PORT}"),
     ] = Field(
         default=None,
@@ -80,4 +79,4 @@ class LiveOptions(Value):
         return self
 
 
-NOWHERE = LiveOptions.unchecked()
+NOWHERE = LiveOptions.model_construct()

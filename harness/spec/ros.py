@@ -12,8 +12,6 @@ from harness.spec.live import FOXGLOVE_PORT, HERE, address_of
 from harness.spec.value import AsText, Option, Value, checked, listed, made, parsed
 
 GROUND_TRUTH, WHEELS, NONE = "ground_truth", "wheels", "none"
-ODOM_SOURCES = (GROUND_TRUTH, WHEELS, NONE)
-CMD_VEL_TYPES = ("auto", "twist", "stamped")
 SLOWEST_RATE = 0.01
 foxglove_address = partial(address_of, flag="--foxglove", default=FOXGLOVE_PORT)
 FOXGLOVE_ADDRESS = f"{HERE}:{FOXGLOVE_PORT}"
@@ -56,9 +54,9 @@ EffectText = Annotated[Effect, parsed(parse_effect), AsText]
 class FrameOptions(Value):
     """What a user chooses of the tree of frames."""
 
-    odom_tf: Annotated[
-        Literal["ground_truth", "wheels", "none"], Option("SOURCE", choices=ODOM_SOURCES)
-    ] = Field(default="ground_truth", description="who owns odom -> base on /tf; none where an EKF does")
+    odom_tf: Annotated[Literal["ground_truth", "wheels", "none"], Option("SOURCE")] = Field(
+        default="ground_truth", description="who owns odom -> base on /tf; none where an EKF does"
+    )
     odom_tf_3d: Annotated[bool, Option("")] = Field(
         default=False, description="with the true height, roll and pitch; else the pose from above"
     )
@@ -82,11 +80,6 @@ def _rate(value: object) -> object:
 def _check_nodes(names: tuple[str, ...]) -> None:
     if not all(namespace_of(name, "--wait-for") for name in names):
         raise UsageError("--wait-for needs the name of a node, e.g. /metrics_node")
-
-
-def _check_address(where: str | None) -> None:
-    if where is not None:
-        foxglove_address(where)
 
 
 class RosOptions(Value):
@@ -117,12 +110,10 @@ class RosOptions(Value):
         f"within other than 30 s: {EFFECT_FORM}; repeatable; default: none",
     )
     ros_args: tuple[str, ...] = ()
-    cmd_vel: Annotated[Literal["auto", "twist", "stamped"], Option("TYPE", choices=CMD_VEL_TYPES)] = (
-        Field(
-            default="auto",
-            description="type of /cmd_vel; auto: as it is sent, TwistStamped from Kilted on until "
-            "something is",
-        )
+    cmd_vel: Annotated[Literal["auto", "twist", "stamped"], Option("TYPE")] = Field(
+        default="auto",
+        description="type of /cmd_vel; auto: as it is sent, TwistStamped from Kilted on until "
+        "something is",
     )
     record: Annotated[Path | None, Option("FILE.mcap")] = Field(
         default=None,
@@ -130,7 +121,8 @@ class RosOptions(Value):
         "read by rover_metrics.replay as it is, and mended by: mcap recover FILE.mcap -o MENDED.mcap",
     )
     foxglove: Annotated[
-        str | None, AfterValidator(checked(_check_address)), Option("[HOST:]PORT", bare=FOXGLOVE_ADDRESS)
+        Annotated[str, AfterValidator(checked(foxglove_address))] | None,
+        Option("[HOST:]PORT", bare=FOXGLOVE_ADDRESS),
     ] = Field(
         default=None,
         description="serve every topic to Foxglove, without ROS too, at --rate 1 unless another is "
@@ -145,4 +137,4 @@ class RosOptions(Value):
         description="publish /map/truth (grid_map_msgs/GridMap): slope, step, roughness, tip margin and "
         "danger for this rover (docs/scenarios.md)",
     )
-    frames: FrameOptions = FrameOptions.unchecked()
+    frames: FrameOptions = FrameOptions.model_construct()

@@ -71,7 +71,7 @@ class RoverSetup(Value):
         description="give the driver one random goal after another in this rectangle [m], as "
         "RoboTerrain's collector",
     )
-    actuators: Annotated[Literal["ideal", "real"], Option("NAME", choices=("ideal", "real"))] = Field(
+    actuators: Annotated[Literal["ideal", "real"], Option("NAME")] = Field(
         default="ideal",
         description="ideal: the model's servos; real: motors that lag, as rover.yaml says "
         "(docs/real_rovers.md)",

@@ -1,7 +1,7 @@
 """Everything that determines a drive, as one frozen value."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from typing import Annotated, Any, Self
 
 from pydantic import AfterValidator, Field, model_validator
@@ -37,11 +37,11 @@ class Run(Value):
         seed: Of everything random.
     """
 
-    world: WorldSpec = WorldSpec.unchecked()
+    world: WorldSpec = WorldSpec.model_construct()
     rovers: tuple[RoverSetup, ...] = Field(
-        default=(RoverSetup.unchecked(),), min_length=1, max_length=MOST_ROVERS
+        default=(RoverSetup.model_construct(),), min_length=1, max_length=MOST_ROVERS
     )
-    plan: Plan = Plan.unchecked()
+    plan: Plan = Plan.model_construct()
     duration: Annotated[float, AfterValidator(checked(check_duration)), Option("S")] = Field(
         default=60.0, description="simulated seconds"
     )
@@ -133,20 +133,14 @@ class Run(Value):
 PARTS: dict[str, type[Value]] = {"world": WorldSpec, "rovers": RoverSetup, "plan": Plan}
 
 
-def field_owners() -> Iterator[tuple[str, str]]:
-    """Yields the name of every field and of the part of a run that has it; "" for the run itself."""
-    parts: list[tuple[str, type[Value]]] = [*PARTS.items(), ("", Run)]
-    for part, cls in parts:
-        yield from ((name, part) for name in cls.model_fields if name not in PARTS)
-
-
-OWNERS = dict(field_owners())
+ALL_PARTS = PARTS | {"": Run}
+# The part of a run that has a field, by the name of each; "" for the run itself.
+OWNERS = {n: part for part, cls in ALL_PARTS.items() for n in cls.model_fields if n not in PARTS}
 
 
 def keys_of(*names: str) -> dict[str, tuple[Any, FieldInfo]]:
     """Returns fields of a run, of whatever part, as pydantic's `create_model` takes them."""
-    models: dict[str, type[Value]] = PARTS | {"": Run}
-    fields = {name: models[OWNERS[name]].model_fields[name] for name in names}
+    fields = {name: ALL_PARTS[OWNERS[name]].model_fields[name] for name in names}
     return {name: (field.annotation, field) for name, field in fields.items()}
 
 
@@ -161,7 +155,7 @@ def from_fields(run: Run, changes: Mapping[str, Any], name: Callable[[str], str]
     Raises:
         UsageError: One does not exist or is not valid.
     """
-    given: dict[str, dict[str, Any]] = {part: {} for part in ("", *PARTS)}
+    given: dict[str, dict[str, Any]] = {part: {} for part in ALL_PARTS}
     for key, value in changes.items():
         if key not in OWNERS:
             raise UsageError(unknown("key", name(key), map(name, OWNERS)))

@@ -22,17 +22,13 @@ Seed = Annotated[int, Field(ge=0)]
 
 
 class Value(BaseModel):
-    """A value that never changes; a key that it does not have is refused."""
+    """A value that never changes; a key that it does not have is refused.
+
+    `model_construct` makes one of fields as they are, whose schema need not be built for it: for what
+    the program states itself at import, and for a value of which parts are still missing.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True, defer_build=True)
-
-    @classmethod
-    def unchecked(cls, **values: Any) -> Self:  # noqa: ANN401 - as the fields are
-        """Returns a value of fields as they are, whose schema need not be built for it.
-
-        For what the program states itself at import, and for a value of which parts are still missing.
-        """
-        return cls.model_construct(**values)
 
     def but(self, **changes: Any) -> Self:  # noqa: ANN401 - as the fields are
         """Returns a copy with other values of some fields; UsageError if one is not valid."""
@@ -52,7 +48,6 @@ class Option:
         also: Further names of the flag, with their dashes, from before it was called so.
         bare: The value that the flag has without one; None if it needs one.
         many: Whether several values may stand behind the flag.
-        choices: Names that are valid.
     """
 
     metavar: str
@@ -60,7 +55,6 @@ class Option:
     also: tuple[str, ...] = ()
     bare: str | None = None
     many: bool = False
-    choices: tuple[str, ...] = ()
 
 
 def made(

@@ -74,7 +74,7 @@ class WorldSpec(Value):
         description="distance of the heights that a mesh becomes (default: 0.1), or a cloud of points "
         "(default: as its density allows) [m]",
     )
-    terrain_roughness: Annotated[Roughness, Option("CLASS", choices=ROUGHNESS)] = Field(
+    terrain_roughness: Annotated[Roughness, Option("CLASS")] = Field(
         default="",
         exclude_if=not_,  # older than it are manifests
         description="detail that a heightmap's cells are too coarse for, by the seed, as rough as a "

@@ -79,16 +79,15 @@ def write_folder(
             urdf = model_file(urdf)
         except Missing as missing:
             raise UsageError(f"{missing}; name its SDF file, or its URDF") from missing
-    source = read_urdf(urdf, folders, name, trust_xacro=trust_xacro)
-    spec = source.spec
+    spec, robot, mended = read_urdf(urdf, folders, name, trust_xacro=trust_xacro)
     free_root(spec, urdf)
     sort_geoms(spec)
     model = compiled(spec.copy(), urdf)
     joints = find_joints(model, left, right, str(urdf))
     show_what_collides(spec)
-    equipment = equip(spec, source.robot, joints, float(model.body_mass.sum()))
+    equipment = equip(spec, robot, joints, float(model.body_mass.sum()))
     notes = (
-        *source.notes,
+        *mended,
         *_mended(joints, model),
         *_of_sizes(joints, equipment),
         *_loose(spec, joints),

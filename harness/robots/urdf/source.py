@@ -7,7 +7,6 @@ is only expanded where the user says that it is trusted.
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 from urllib.parse import unquote, urlparse
@@ -31,17 +30,12 @@ MOST_FACES = 200_000  # that MuJoCo's decoder reads
 XACRO = re.compile(r"<xacro:|\$[({]")  # it leaves its namespace, and comments as they were, in a URDF
 
 
-@dataclass
-class Source:
-    """What a URDF says, beside what MuJoCo reads of it."""
+def read_urdf(
+    path: Path, folders: Sequence[Path], name: str, *, trust_xacro: bool
+) -> tuple[mujoco.MjSpec, ET.Element, list[str]]:
+    """Returns a URDF, or a model in SDF, as a model of MuJoCo, its <robot>, and what was mended.
 
-    spec: mujoco.MjSpec  # its links as bodies, none fused; the root link is free
-    robot: ET.Element  # the element of the file
-    notes: list[str] = field(default_factory=list)  # what was dropped or mended, a line each
-
-
-def read_urdf(path: Path, folders: Sequence[Path], name: str, *, trust_xacro: bool) -> Source:
-    """Returns a URDF, or a model in SDF, as a model of MuJoCo.
+    The links are bodies, none fused; what was dropped or mended is a line each.
 
     Args:
         path: Of the file.
@@ -82,7 +76,7 @@ def read_urdf(path: Path, folders: Sequence[Path], name: str, *, trust_xacro: bo
         if body.name in without:  # MuJoCo would give its shapes the density of water
             for geom in body.geoms:
                 geom.mass = 0.0
-    return Source(spec, robot, notes)
+    return spec, robot, notes
 
 
 def _wind_springs(spec: mujoco.MjSpec, robot: ET.Element) -> None:
