@@ -7,7 +7,7 @@ import re
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, suppress
 
 from harness.base.errors import INSTALL_OPENGL, HarnessError, UsageError
@@ -15,7 +15,7 @@ from harness.base.opengl import backends
 
 READY = "ready\n"  # harness.view.picture says it when it can draw
 FRAMES = re.compile(r"(\d+)/(\d+)\n")  # how many are drawn of how many, as harness.view.picture says it
-PROGRAM = (sys.executable, "-m", "harness.view.picture", "--wait")
+PROGRAM = (sys.executable, "-m", "harness.view.picture")
 PATIENCE = 10.0  # [s] for the process that draws to leave no half of a file behind
 
 
@@ -64,10 +64,10 @@ class Artist(AbstractContextManager["Artist"]):
             with suppress(OSError):
                 file.close()
 
-    def begin(self, words: list[str]) -> None:
-        """Has it draw what the words of its command line say."""
+    def begin(self, order: Mapping[str, object]) -> None:
+        """Has it draw what `harness.view.picture.draw` takes."""
         with suppress(BrokenPipeError):
-            self._in.write(f"{json.dumps(words)}\n")
+            self._in.write(f"{json.dumps(order)}\n")
             self._in.close()
 
     def finish(self, show: Callable[[int, int], None]) -> None:

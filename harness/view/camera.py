@@ -22,7 +22,6 @@ GROUND_MARGIN = 0.4  # [m] of air below the camera
 SOLID_GROUPS = np.array([1, 1, 0, 0, 0, 0], np.uint8)  # terrain and obstacles
 CHASE_SIDE, CHASE_ELEVATION = 30.0, -24.0  # [deg]
 TOP_ELEVATION, SIDE_ELEVATION = -89.0, -8.0  # [deg]
-CAMERAS = ("chase", "top", "side")
 BEST_FRONT = math.radians(35.0)  # angle between the rover's heading and the camera
 
 
@@ -84,7 +83,7 @@ def chase_view(rover: Vector, yaw: float, scale: float = 1.0, camera: str = "cha
         rover: Its place [m].
         yaw: Its heading [rad].
         scale: Of its size to the usual one.
-        camera: One of CAMERAS: from behind and a little aside, from above, from the left.
+        camera: "chase", "top" or "side": from behind and a little aside, from above, from the left.
     """
     turn, elevation = {
         "chase": (CHASE_SIDE, CHASE_ELEVATION),

@@ -29,7 +29,7 @@ class Drawing(AbstractContextManager["Drawing"]):
             if the run is to go on without it where nothing can draw.
         video: Where to write an MP4 of the run; None for none.
         lidar: Show the beams.
-        camera: One of harness.view.camera.CAMERAS; "" leaves it to picture and video.
+        camera: As `chase_view` takes it; "" leaves it to picture and video.
         backend: The OpenGL to be used, as MUJOCO_GL names it; "" for whichever works.
 
     Attributes:
@@ -106,9 +106,10 @@ class Drawing(AbstractContextManager["Drawing"]):
             flag: beside.with_suffix(SUFFIXES[flag]) if path == BESIDE else path
             for flag, path in self._targets.items()
         }
-        words = [word for flag, path in self._drawn.items() for word in (flag, str(path))]
-        more = ["--lidar"] * self._lidar + (["--camera", self._camera] if self._camera else [])
-        self._artist.begin([*(str(w.path) for w in self._writers), *words, *more])
+        files = {flag: str(path) for flag, path in self._drawn.items()}
+        recordings = [str(writer.path) for writer in self._writers]
+        look = {"camera": self._camera, "lidar": self._lidar}
+        self._artist.begin({"recordings": recordings, "files": files, **look})
 
     def finish(self, show: Callable[[int, int], None], beside: Path = BESIDE) -> list[Path]:
         """Waits for what is drawn in a process of its own; returns the files, or raises DrawingFailed.

@@ -1,16 +1,12 @@
-"""Command: draw a recorded episode.
+"""Draws a recorded episode, as a process of its own that harness.view.artist starts before the run.
 
-    python -m harness.view.picture RECORDING... --picture FILE.png --video FILE.mp4 [--lidar]
-
-`harness.run --picture` starts it after the run, in a process of its own: OpenGL without a display must
-be chosen before MuJoCo is imported, and no run is to wait for its pictures.
+OpenGL without a display must be chosen before MuJoCo is imported, and no run is to wait for pictures.
 """
 
-import argparse
 import json
 import math
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import replace
 from functools import partial
@@ -30,13 +26,12 @@ from harness.physics.ruts import PressedRuts
 from harness.physics.stage import FIELD_OF_VIEW, Quality, aim_sun, dress, visible_groups
 from harness.robots.lidar import LidarSpec, directions
 from harness.sensors.lidar import Lidar
-from harness.view.camera import CAMERAS, View, best_view, chase_view, scale_of
+from harness.view.camera import View, best_view, chase_view, scale_of
 from harness.view.caption import captioned
 from harness.view.ground import drawn
 from harness.view.marks import Mark, add_marks, beam_marks, path_marks, track_marks
 from harness.view.posing import Posing
 from harness.view.states import States, read_states
-from rover_metrics.parser import OneLineParser
 
 SCALE = 2  # a picture of 1280 x 640 is drawn twice as large: edges and shadows get smooth
 QUALITY = Quality(width=SCALE * 1280, height=SCALE * 640, samples=0, shadow_map=4096, slices=28)
@@ -196,49 +191,41 @@ def chase(recording: States, scale: float = 1.0, camera: str = "chase") -> list[
     Args:
         recording: States of the drive.
         scale: Of distances, by the rover's size.
-        camera: One of CAMERAS.
+        camera: As `chase_view` takes it.
     """
     headings = accumulate(recording.yaw.tolist(), lambda calm, yaw: calm + (yaw - calm) / CALMED)
     places = zip(recording.path, headings, strict=True)
     return [chase_view(place, yaw, scale, camera) for place, yaw in places]
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Runs the command; returns its exit code."""
-    options = _parser().parse_args(arguments)
+DRAWN: Mapping[str, Callable[..., None]] = {"--picture": _draw_picture, "--video": _draw_video}
+
+
+def draw(recordings: Sequence[str], files: Mapping[str, str], camera: str, *, lidar: bool) -> None:
+    """Draws the states of a run.
+
+    Args:
+        recordings: A file per rover, as harness.view.states has them.
+        files: What to draw, by the option that asks for it.
+        camera: As `chase_view` takes it; "" for where much is seen, or from behind.
+        lidar: Whether the beams that hit something are shown.
+    """
+    for option, target in files.items():
+        DRAWN[option](list(map(Path, recordings)), Path(target), camera, lidar=lidar)
+
+
+def main() -> int:
+    """Tries out OpenGL, then draws what a line of JSON asks for, if any; returns the exit code."""
     try:
-        if options.wait:
-            # The error that MuJoCo raises without OpenGL is what the parent process looks for.
-            mujoco.Renderer(mujoco.MjModel.from_xml_string("<mujoco/>"), 16, 16).close()
-            print("ready", flush=True)
-            words = sys.stdin.readline()
-            options = _parser().parse_args(json.loads(words) if words else [])
-        if options.picture is not None:
-            _draw_picture(options.recordings, options.picture, options.camera, lidar=options.lidar)
-        if options.video is not None:
-            _draw_video(options.recordings, options.video, options.camera, lidar=options.lidar)
+        # The error that MuJoCo raises without OpenGL is what the parent process looks for.
+        mujoco.Renderer(mujoco.MjModel.from_xml_string("<mujoco/>"), 16, 16).close()
+        print("ready", flush=True)
+        if order := sys.stdin.readline():
+            draw(**json.loads(order))
     except (HarnessError, OSError) as error:
         print(f"harness.view.picture: {error}", file=sys.stderr)
         return error.exit_code if isinstance(error, HarnessError) else 1
     return 0
-
-
-def _parser() -> argparse.ArgumentParser:
-    parser = OneLineParser(
-        prog="python -m harness.view.picture",
-        description="Draws a recorded episode.",
-        epilog="MUJOCO_GL=egl or osmesa (macOS: cgl) chooses OpenGL without a display.",
-    )
-    about = "states of a rover, as harness.view.states has them"
-    parser.add_argument("recordings", type=Path, nargs="*", metavar="RECORDING", help=about)
-    parser.add_argument("--picture", type=Path, metavar="FILE.png", help="draw its end")
-    parser.add_argument("--video", type=Path, metavar="FILE.mp4", help="draw all of it")
-    about = "try out OpenGL, then read these words as JSON"
-    parser.add_argument("--wait", action="store_true", help=about)
-    about = "from where; default: a picture from where much is seen, a video from behind"
-    parser.add_argument("--camera", choices=CAMERAS, default="", help=about)
-    parser.add_argument("--lidar", action="store_true", help="show the beams that hit something")
-    return parser
 
 
 if __name__ == "__main__":

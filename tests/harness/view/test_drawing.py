@@ -93,8 +93,8 @@ def test_of_a_fleet_the_states_of_each_rover_are_drawn(
             for observer, batch in zip(drawing.observers, batches, strict=True):
                 observer.take(batch)
         drawing.begin()
-        (words,) = draws.__enter__.return_value.begin.call_args.args
-        drawn = [read_states(Path(word)) for word in words[: len(two.rovers)]]
+        (order,) = draws.__enter__.return_value.begin.call_args.args
+        drawn = [read_states(Path(path)) for path in order["recordings"]]
     assert [states.run.rovers[states.number] for states in drawn] == list(two.rovers)
     assert [states.path[0, :2].tolist() for states in drawn] == [
         pytest.approx(place, abs=0.05) for place in ([0.0, 0.0], [3.0, -2.0])
@@ -106,11 +106,13 @@ def test_what_is_to_be_drawn_and_from_where_reaches_what_draws(
 ) -> None:
     monkeypatch.setattr("harness.cli.run_command.keep_opengl_out", lambda: "osmesa")
     monkeypatch.setattr("harness.view.drawing.artist", draws := MagicMock())
-    files = ["--picture", str(tmp_path / "a.png"), "--video", str(tmp_path / "b.mp4")]
+    files = {"--picture": str(tmp_path / "a.png"), "--video": str(tmp_path / "b.mp4")}
+    words = [word for pair in files.items() for word in pair]
     more = ["--picture-lidar", "--camera", "top"]
-    assert main([*RUN, "--log-dir", str(tmp_path), *files, *more]) == 0
-    (words,) = draws.return_value.__enter__.return_value.begin.call_args.args
-    assert (draws.call_args.args, words[1:]) == (("osmesa",), [*files, "--lidar", *more[1:]])
+    assert main([*RUN, "--log-dir", str(tmp_path), *words, *more]) == 0
+    (order,) = draws.return_value.__enter__.return_value.begin.call_args.args
+    look = (order["files"], order["camera"], order["lidar"])
+    assert (draws.call_args.args, look) == (("osmesa",), (files, "top", True))
 
 
 def test_a_run_draws_its_picture_and_its_video_and_its_log_keeps_its_bytes(
@@ -121,7 +123,7 @@ def test_a_run_draws_its_picture_and_its_video_and_its_log_keeps_its_bytes(
         artist.artist("").__exit__()
     except UsageError as error:
         pytest.skip(str(error))
-    monkeypatch.setattr(artist, "PROGRAM", (sys.executable, "-c", COARSE, "--wait"))
+    monkeypatch.setattr(artist, "PROGRAM", (sys.executable, "-c", COARSE))
     shown: list[tuple[int, int]] = []
     finish = Drawing.finish
 

@@ -208,7 +208,7 @@ def test_each_frame_of_a_video_looks_from_behind_at_where_the_rover_is_then(
 
     monkeypatch.setattr(picture, "Studio", Kept)
     monkeypatch.setattr(picture, "MOST_FRAMES", 10)
-    assert picture.main(["states", "--video", str(tmp_path / "a.mp4")]) == 0
+    picture.draw(["states"], {"--video": str(tmp_path / "a.mp4")}, "", lidar=False)
     assert [index for index, _ in frames] == [*range(0, 50, 5)]
     told = [(arc.times[index], arc.speed[index], 5) for index, _ in frames]
     assert [call.args[1:] for call in said.call_args_list] == told
