@@ -45,10 +45,6 @@ class LogError(RoverMetricsError):
     """The metrics log cannot be created or written."""
 
 
-class StartError(RoverMetricsError):
-    """ROS refuses to start with these arguments or in this environment."""
-
-
 class MissingRosError(RoverMetricsError, ImportError):
     """ROS 2 is not installed in this interpreter, or only half of it."""
 

@@ -33,10 +33,6 @@ from rover_metrics.number import whole
 from rover_metrics.sheet.render import csv_of
 
 
-class GroupError(RoverMetricsError):
-    """A group without logs, a log in two groups, a folder without logs."""
-
-
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs the command; returns 0 if every log was read, 1 if any was skipped, 2 after a mistake."""
     return run_program("social", lambda: _run(_parser().parse_args(arguments)))
@@ -82,7 +78,7 @@ def _files(named: Sequence[Path]) -> list[Path]:
         there = [*program.inside([path], "social_log*.csv")]
         there = [*program.inside([path], "*.csv")] if there == [path] else there
         if there == [path] and path.is_dir():
-            raise GroupError(f"{path}: there is no log (*.csv) in this folder; name another")
+            raise RoverMetricsError(f"{path}: there is no log (*.csv) in this folder; name another")
         files += there
     return program.different("social", files)
 
@@ -98,21 +94,23 @@ def _grouped(logs: Sequence[SocialLog], wanted: Sequence[str]) -> dict[str, list
     for text in wanted or folders:
         name, _, pattern = text.partition("=")
         if not name or name in groups:
-            raise GroupError(f"--groups '{text}': give each group a name of its own")
+            raise RoverMetricsError(f"--groups '{text}': give each group a name of its own")
         groups[name] = [
             log
             for log in logs
             if (fnmatchcase(str(log.path), pattern) if pattern else _folder(log.path).name == name)
         ]
         if not groups[name]:
-            raise GroupError(
+            raise RoverMetricsError(
                 f"group '{name}' has no log; the folders of the logs are: {', '.join(folders)}; "
                 "or name a group and the logs in it: NAME=PATTERN, as in nav2='*/nav2_*.csv'"
             )
     for log in logs:
         homes = [name for name, members in groups.items() if log in members]
         if len(homes) > 1:
-            raise GroupError(f"{log.path} is in groups {' and '.join(homes)}; each log belongs to one")
+            raise RoverMetricsError(
+                f"{log.path} is in groups {' and '.join(homes)}; each log belongs to one"
+            )
         if not homes:
             program.tell("social", f"{log.path} is in no group and left out")
     return groups

@@ -16,11 +16,11 @@ from rover_metrics.analysis.metric import ALL, METRICS, choose
 from rover_metrics.analysis.options import parse
 from rover_metrics.analysis.outcome import analyse
 from rover_metrics.analysis.output import page_of, prepare_folder, save_all
-from rover_metrics.analysis.pairing import PairingError, Pairs, pair
+from rover_metrics.analysis.pairing import Pairs, pair
 from rover_metrics.analysis.program import different, hand_over, inside, read_each
 from rover_metrics.analysis.study import Member, Options, Study, labels
 from rover_metrics.analysis.tables import sheets
-from rover_metrics.errors import counted, printable
+from rover_metrics.errors import RoverMetricsError, counted, printable
 from rover_metrics.log.files import write_whole
 from rover_metrics.sheet.sheet import Sheet
 
@@ -99,7 +99,8 @@ def _pairs(options: argparse.Namespace, members: Sequence[Member], skipped: Sequ
     if not options.versus or options.unit == "episode":
         return ()
     if skipped and options.pair_by == "order":
-        raise PairingError(f"--pair-by order: {skipped[0].path} was skipped; leave out its partner too")
+        skip = f"{skipped[0].path} was skipped; leave out its partner too"
+        raise RoverMetricsError(f"--pair-by order: {skip}")
     first, second = (
         [member.log for member in members if member.group == group] for group in options.group_names
     )

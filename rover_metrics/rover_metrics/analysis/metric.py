@@ -105,17 +105,13 @@ def other_metric(column: str) -> Metric:
     return Metric(name, column, title, spelled(unit))
 
 
-class UnknownMetric(RoverMetricsError):
-    """A word that is neither a code nor a column."""
-
-
 def choose(words: Iterable[str], headers: Iterable[Sequence[str]]) -> tuple[Metric, ...]:
     """Returns the metrics that words mean, each once.
 
     Words are codes, columns of the headers with or without their units, or "all"; capitals or not.
 
     Raises:
-        UnknownMetric: A word is none of these; the message names what is.
+        RoverMetricsError: A word is none of these; the message names what is.
     """
     columns = list(dict.fromkeys(name for header in headers for name in header))
     others = (other_metric(column) for column in columns if is_other(column))
@@ -136,7 +132,7 @@ def _one(word: str, columns: Sequence[str]) -> Metric:
             for metric in METRICS.values():
                 if column in (metric.column, metric.extended_column):
                     return metric
-    raise UnknownMetric(f"-m {word}: {_why_unknown(word, columns)}")
+    raise RoverMetricsError(f"-m {word}: {_why_unknown(word, columns)}")
 
 
 def _spellings(column: str) -> tuple[str, str]:

@@ -14,10 +14,6 @@ Pairs = tuple[tuple[int, int], ...]  # places in the first group and in the seco
 _DESIGN = ("robot", "terrain", "difficulty", "seed")  # arguments of a run, kept in its log's record
 
 
-class PairingError(RoverMetricsError):
-    """Logs that were to be paired cannot be."""
-
-
 def pair(first: Sequence[Log], second: Sequence[Log], by: PairBy) -> Pairs:
     """Returns the pairs of two groups' logs; none unless every log has exactly one partner.
 
@@ -33,14 +29,14 @@ def pair(first: Sequence[Log], second: Sequence[Log], by: PairBy) -> Pairs:
         Places in `first` and in `second`.
 
     Raises:
-        PairingError: The groups are to be paired by order and differ in length.
+        RoverMetricsError: The groups are to be paired by order and differ in length.
     """
     if by == "none":
         return ()
     if by == "order":
         if len(first) != len(second):
             sizes = f"{len(first)} and {len(second)} logs"
-            raise PairingError(f"--pair-by order needs groups of equal size, not {sizes}")
+            raise RoverMetricsError(f"--pair-by order needs groups of equal size, not {sizes}")
         return tuple((i, i) for i in range(len(first)))
     if not all("seed" in log.arguments for log in (*first, *second)):
         return ()

@@ -5,11 +5,10 @@ plain CDR in little endian, as everybody sends it on common machines, is left to
 """
 
 import struct
+from collections import namedtuple
 from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from rclpy.serialization import deserialize_message
 from rosgraph_msgs.msg import Clock
 
@@ -26,65 +25,20 @@ SCAN = struct.Struct("<7fI")
 POSE_SIZE = (7 + 36) * 8  # [B] of a pose with its covariance
 
 
-class _Stamp(NamedTuple):
-    sec: int
-    nanosec: int
-
-
-class _Header(NamedTuple):
-    stamp: _Stamp
-
-
-class _Vector(NamedTuple):
-    x: float
-    y: float
-    z: float
-
-
-class _Quaternion(NamedTuple):
-    x: float
-    y: float
-    z: float
-    w: float
-
-
-class _Imu(NamedTuple):
-    header: _Header
-    orientation: _Quaternion
-    orientation_covariance: tuple[float]  # the first of them
-    angular_velocity: _Vector
-    linear_acceleration: _Vector
-
-
-class _Scan(NamedTuple):
-    header: _Header
-    angle_min: float
-    angle_increment: float
-    range_min: float
-    range_max: float
-    ranges: NDArray[np.float32]
-
-
-class _Pose(NamedTuple):
-    position: _Vector
-
-
-class _Poses(NamedTuple):
-    header: _Header
-    poses: tuple[_Pose, ...]  # the first, if there is any
-
-
-class _Twist(NamedTuple):
-    linear: _Vector
-
-
-class _StampedTwist(NamedTuple):
-    twist: _Twist
-
-
-class _Odometry(NamedTuple):
-    header: _Header
-    twist: _StampedTwist
+# Those fields that are read, under rclpy's names.
+_Stamp = namedtuple("_Stamp", "sec nanosec")
+_Header = namedtuple("_Header", "stamp")
+_Vector = namedtuple("_Vector", "x y z")
+_Quaternion = namedtuple("_Quaternion", "x y z w")
+_Imu = namedtuple(
+    "_Imu", "header orientation orientation_covariance angular_velocity linear_acceleration"
+)  # of the covariances the first
+_Scan = namedtuple("_Scan", "header angle_min angle_increment range_min range_max ranges")
+_Pose = namedtuple("_Pose", "position")
+_Poses = namedtuple("_Poses", "header poses")  # the first, if there is any
+_Twist = namedtuple("_Twist", "linear")
+_StampedTwist = namedtuple("_StampedTwist", "twist")
+_Odometry = namedtuple("_Odometry", "header twist")
 
 
 def _header(data: bytes) -> tuple[_Header, int]:
@@ -147,10 +101,10 @@ READERS: dict[str, Callable[[bytes], Message]] = {
 
 
 def decoded(name: str, kind: type, data: bytes) -> Message:
-    """Returns what is read of a message, under the names of its fields.
+    """Returns a message, or what is read of it under the names of its fields.
 
     Args:
-        name: Its type, one of READERS.
+        name: Its type, of one of READERS in full.
         kind: rclpy's class for that.
         data: The message, serialised.
 
@@ -158,7 +112,7 @@ def decoded(name: str, kind: type, data: bytes) -> Message:
         ValueError: It is no such message.
     """
     try:
-        if data.startswith(PLAIN_CDR):
+        if name in READERS and data.startswith(PLAIN_CDR):
             return READERS[name](data)
         return deserialize_message(data, kind)
     except (struct.error, RuntimeError) as error:  # RuntimeError: rclpy's

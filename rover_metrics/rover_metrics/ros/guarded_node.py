@@ -10,7 +10,6 @@ from rcl_interfaces.srv import SetParameters, SetParametersAtomically
 from rclpy.exceptions import ParameterException
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
-from rclpy.serialization import deserialize_message
 from rclpy.service import Service
 from rclpy.subscription import Subscription
 from rosgraph_msgs.msg import Clock
@@ -143,12 +142,8 @@ class GuardedNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
 
 
 def _decode(kind: type, callback: Handler, data: bytes) -> None:
-    """Gives a message to its callback; ValueError if the bytes are of none."""
-    try:
-        message = deserialize_message(data, kind)
-    except RuntimeError as error:  # rclpy's
-        raise ValueError(f"no {kind.__name__}: {error}") from error
-    callback(message)
+    """Gives a whole message to its callback; ValueError if the bytes are of none."""
+    callback(decoded(kind.__name__, kind, data))
 
 
 def _refused(request: Message, response: Message, reason: str) -> Message:

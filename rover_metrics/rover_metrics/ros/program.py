@@ -24,7 +24,7 @@ try:
 except ImportError:  # Humble, Jazzy
     EventsExecutor = SingleThreadedExecutor
 
-from rover_metrics.errors import RoverMetricsError, StartError
+from rover_metrics.errors import RoverMetricsError
 from rover_metrics.ros.arguments import check_words, complaint, refusal
 
 HAS_EVENTS_EXECUTOR = EventsExecutor is not SingleThreadedExecutor
@@ -59,11 +59,16 @@ def _run(name: str, make_node: Callable[[], Node], args: list[str] | None) -> No
         check_words(name, words)
         wrong = complaint(words)
         if wrong is not None:
-            raise StartError(wrong)
+            raise RoverMetricsError(wrong)
         at_end.enter_context(started(args))
         # Executors outlive the node: a signal's own thread may still be at work on what wakes them.
         executors = at_end.enter_context(ExitStack())
-        node = _made(make_node)
+        try:
+            node = make_node()
+        except (NameValidationException, RCLError) as error:
+            if not rclpy.ok():
+                raise
+            raise RoverMetricsError(f"{refusal(error)}; give another name") from error
         at_end.callback(node.destroy_node)
         _spin(node, executors)
 
@@ -73,12 +78,12 @@ def started(args: Sequence[str] | None) -> Iterator[None]:
     """Within, ROS is up; what fails because a signal has shut it down ends it quietly.
 
     Raises:
-        StartError: ROS refuses these arguments, or the environment; the message says why.
+        RoverMetricsError: ROS refuses these arguments, or the environment; the message says why.
     """
     try:
         rclpy.init(args=args)
     except RuntimeError as error:
-        raise StartError(f"ROS 2 refuses to start: {refusal(error)}") from error
+        raise RoverMetricsError(f"ROS 2 refuses to start: {refusal(error)}") from error
     try:
         yield
     except (RuntimeError, AttributeError):
@@ -87,15 +92,6 @@ def started(args: Sequence[str] | None) -> Iterator[None]:
             raise
     finally:
         rclpy.try_shutdown()
-
-
-def _made(make_node: Callable[[], Node]) -> Node:
-    try:
-        return make_node()
-    except (NameValidationException, RCLError) as error:
-        if not rclpy.ok():
-            raise
-        raise StartError(f"{refusal(error)}; give another name") from error
 
 
 def _spin(node: Node, executors: ExitStack) -> None:

@@ -5,6 +5,7 @@ import pytest
 from rover_metrics.analysis import metric as of
 from rover_metrics.analysis.metric import METRICS, Kind, choose, is_other, other_metric
 from rover_metrics.core.columns import COLUMNS, ROBOTERRAIN_COLUMNS
+from rover_metrics.errors import RoverMetricsError
 from rover_metrics.extended.metrics import EXTENDED_HEADER
 
 HEADER = [*COLUMNS, "Slip", "Peak Jerk [m/s^3]", "battery [V]", "VORT [m/s]"]
@@ -59,5 +60,5 @@ def test_a_metric_is_named_by_code_or_column_and_counts_once(words: list[str], c
     ],
 )
 def test_a_word_that_is_neither_is_told_with_what_there_is(word: str, told: str) -> None:
-    with pytest.raises(of.UnknownMetric, match=f"^-m {word}: .*{told}"):
+    with pytest.raises(RoverMetricsError, match=f"^-m {word}: .*{told}"):
         choose([word], [HEADER])

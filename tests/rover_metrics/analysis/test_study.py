@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from rover_metrics.analysis.logs.log import Log
-from rover_metrics.analysis.pairing import PairingError, pair
+from rover_metrics.analysis.pairing import pair
 from rover_metrics.analysis.study import labels
+from rover_metrics.errors import RoverMetricsError
 
 SHORT = "a" * 18 + "..." + "b" * 19
 RUN = {"robot": "leo", "terrain": "rocky", "difficulty": 0.5, "seed": 7}
@@ -85,5 +86,5 @@ def test_logs_of_one_seed_are_partners_if_each_has_exactly_one(
 
 def test_logs_are_paired_by_their_order_on_request() -> None:
     assert pair(logs("", ""), logs("", ""), "order") == ((0, 0), (1, 1))
-    with pytest.raises(PairingError, match="equal size, not 2 and 1 logs"):
+    with pytest.raises(RoverMetricsError, match="equal size, not 2 and 1 logs"):
         pair(logs("", ""), logs(""), "order")
