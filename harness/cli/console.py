@@ -6,7 +6,6 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from shlex import quote
-from typing import Self
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
@@ -58,43 +57,37 @@ class Heartbeat:
         print(printable(text), file=sys.stderr, flush=True)
 
 
-class RunProgress(Progress):
-    """A progress bar over simulated time; a line every PERIOD where the output is no terminal.
+@contextmanager
+def driving(console: Console, title: str, total_s: float) -> Iterator[result.Show]:
+    """Yields what moves a bar over simulated time [s]; in a pipe it prints a line every PERIOD."""
+    heartbeat = Heartbeat(console, title)
+    bar = Progress(
+        TextColumn("{task.description}", style="bold", markup=False),
+        BarColumn(bar_width=None),
+        TextColumn("{task.completed:.1f} / {task.total:.1f} s"),
+        TextColumn("{task.fields[factor]:.1f}x real time"),
+        TextColumn("{task.fields[distance]:.1f} m"),
+        TextColumn("{task.fields[messages]:,} messages"),
+        console=console,
+        disable=not console.is_terminal,
+    )
+    task = bar.add_task(title, total=total_s, factor=0.0, distance=0.0, messages=0)
 
-    Args:
-        console: Where the bar is.
-        title: Beside it.
-        total_s: Simulated time of the whole run [s].
-    """
-
-    def __init__(self, console: Console, title: str, total_s: float) -> None:
-        super().__init__(
-            TextColumn("{task.description}", style="bold", markup=False),
-            BarColumn(bar_width=None),
-            TextColumn("{task.completed:.1f} / {task.total:.1f} s"),
-            TextColumn("{task.fields[factor]:.1f}x real time"),
-            TextColumn("{task.fields[distance]:.1f} m"),
-            TextColumn("{task.fields[messages]:,} messages"),
-            console=console,
-            disable=not console.is_terminal,
-        )
-        self._heartbeat = Heartbeat(console, title)
-        self._run = self.add_task(title, total=total_s, factor=0.0, distance=0.0, messages=0)
-
-    def __enter__(self) -> Self:
-        return self
-
-    def show(self, run: result.RunResult) -> None:
-        """Moves the bar; it appears with the first call, below what nodes say as they start."""
-        self._heartbeat.tell(run.simulated_s, run.run.duration, " s")
-        self.start()
-        self.update(
-            self._run,
+    def show(run: result.RunResult) -> None:
+        heartbeat.tell(run.simulated_s, run.run.duration, " s")
+        bar.start()  # with the first call, below what nodes say as they start
+        bar.update(
+            task,
             completed=run.simulated_s,
             factor=run.real_time_factor,
             distance=run.truth.path_length,
             messages=run.messages,
         )
+
+    try:
+        yield show
+    finally:
+        bar.stop()
 
 
 @contextmanager

@@ -18,7 +18,7 @@ from harness.base.errors import UsageError, needing_ros
 from harness.base.files import BESIDE, PAGES, check_target, write_whole
 from harness.base.interrupt import HANGUP, StopRequest
 from harness.base.opengl import keep_opengl_out
-from harness.cli.console import RunProgress, counted, next_step, print_choices, print_summary
+from harness.cli.console import counted, driving, next_step, print_choices, print_summary
 from harness.cli.options import RunOptions, run_options, with_name
 from harness.episode.assembly import actor_names, check_world, world_of
 from harness.episode.helm import Helm
@@ -210,8 +210,8 @@ def _drive(
 ) -> tuple[RunResult, ...]:
     run = options.run
     robots = " and ".join(robot_name(rover.robot) for rover in run.rovers)
-    with RunProgress(console, f"{robots} on {run.world.terrain}", run.duration) as bar:
-        results = drive(run, outputs, options.ros, stop, bar.show, helm)
+    with driving(console, f"{robots} on {run.world.terrain}", run.duration) as show:
+        results = drive(run, outputs, options.ros, stop, show, helm)
     return tuple(steered(result, helm) for result in results)
 
 

@@ -1,6 +1,6 @@
-"""The whole suite, and its results as a table: on the terminal and in Markdown."""
+"""The whole suite, and its results as a table."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 from rich.console import Console
@@ -10,7 +10,6 @@ from harness.robots import RoverSpec
 from harness.robots.sections import OPEN, Expected
 from harness.validate import climbing, driving, square, stability
 from harness.validate.check import Check
-from rover_metrics.sheet.render import markdown
 from rover_metrics.sheet.sheet import Sheet
 
 MISS = "MISS"
@@ -62,12 +61,6 @@ def print_table(console: Console, title: str, checks: Sequence[Check], missed: s
     for check in checks:
         table.add_row(*cells_of(check, missed), style=None if check.passed else "bold red")
     console.print(table)
-
-
-def as_markdown(results: Mapping[str, Sequence[Check]]) -> str:
-    """Returns the tables of all rovers, each under its name."""
-    tables = (sheet_of(robot, checks) for robot, checks in results.items())
-    return "\n".join(f"### {sheet.title}\n\n{markdown(sheet)}" for sheet in tables)
 
 
 def sheet_of(title: str, checks: Sequence[Check], missed: str = MISS) -> Sheet:

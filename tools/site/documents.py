@@ -10,7 +10,7 @@ The documents keep it, so that they are read on GitHub too. `python -m tools.sit
 """
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 
@@ -18,10 +18,19 @@ from harness.gym import ENVIRONMENTS
 from harness.robots import ROVERS
 from harness.robots.spec import schema as rover_schema
 from harness.scenario.schema import schema as scenario_schema
-from harness.validate.suite import as_markdown, validate
+from harness.validate.check import Check
+from harness.validate.suite import sheet_of, validate
 from rover_metrics.dictionary import dictionary
+from rover_metrics.sheet.render import markdown
 from tools.site import environments, sensors, tables
 from tools.site.pages import ROOT
+
+
+def validation(results: Mapping[str, Sequence[Check]]) -> str:
+    """Returns the tables of what all rovers have driven, each under its name."""
+    sheets = (sheet_of(robot, driven) for robot, driven in results.items())
+    return "\n".join(f"### {sheet.title}\n\n{markdown(sheet)}" for sheet in sheets)
+
 
 PART = re.compile(r"(<!-- generated: (\S+) -->\n).*?(<!-- end -->)", re.DOTALL)
 PARTS: dict[str, Callable[[], str]] = {
@@ -31,7 +40,7 @@ PARTS: dict[str, Callable[[], str]] = {
     "gallery": tables.gallery,
     "sensors": sensors.tables,
     "metrics": dictionary,
-    "validation": lambda: as_markdown({rover.name: validate(rover, 0) for rover in ROVERS.values()}),
+    "validation": lambda: validation({rover.name: validate(rover, 0) for rover in ROVERS.values()}),
     "environment-options": environments.shared_options,
     **{name: lambda name=name: environments.tables(name) for name in ENVIRONMENTS},  # type: ignore[misc]
 }

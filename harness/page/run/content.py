@@ -5,7 +5,6 @@ from collections.abc import Mapping, Sequence
 from datetime import datetime
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 
@@ -29,40 +28,6 @@ from harness.robots.lidar import scan_points
 
 NO_OTHERS: Mapping[str, Sequence[Stretch]] = MappingProxyType({})
 LISTED = ("arguments", "versions", "world")  # parts of the manifest that are tables of their own
-
-
-def _content(
-    result: RunResult, recorder: RunRecorder, others: Mapping[str, Sequence[Stretch]] = NO_OTHERS
-) -> dict[str, Any]:
-    """Returns what the template shows of a run; arguments as of `render`."""
-    log, values, rover = read_log(result.log_path), manifest(result), result.rover
-    robot = robot_name(rover.robot)
-    called = f"{rover.name}, a {robot}," if rover.name else robot
-    terrain_map, plots = _map(result, recorder, log, others), _series(result, recorder, log)
-    met = encounters(recorder.track)
-    soil = soil_plots(recorder.track, find_rover(rover.robot).wheel_names)
-    series = [plot for plot in plots if varies(plot.figure, log.columns[plot.heading])]
-    steady = [plot for plot in plots if plot not in series]
-    return {
-        "result": result,
-        "heading": f"{called} on {Path(result.run.world.terrain).name}",
-        "arguments": values["arguments"],
-        "outcome": values["outcome"],
-        "mishaps": mishaps(result),
-        "written": datetime.now().astimezone().isoformat(sep=" ", timespec="seconds"),
-        "key_figures": tables.key_figures(result),
-        "map": terrain_map,
-        "comparisons": tables.comparisons(result, log, recorder.track),
-        "encounters": tables.encounter_table(met, world_of(result.run).people),
-        "near": NEAR,
-        "contacts": tables.contact_table(result),
-        "messages": tables.message_table(result),
-        "series": [*series, *soil],
-        "steady": tables.steady_table(log, steady),
-        "notes": log.notes,
-        "thinned_to": MOST_ROWS if len(log.time_s) > MOST_ROWS else None,
-        "facts": {name: tables.facts(values[name] or {}) for name in LISTED},
-    }
 
 
 def _map(
@@ -143,5 +108,32 @@ def render(
         recorder: Watched the rover.
         others: Paths of further rovers in the same world, by name.
     """
-    content = _content(result, recorder, others)
-    return fill("report", content, "harness.page.run", [content["map"], *content["series"]])
+    log, values, rover = read_log(result.log_path), manifest(result), result.rover
+    robot = robot_name(rover.robot)
+    called = f"{rover.name}, a {robot}," if rover.name else robot
+    terrain_map, plots = _map(result, recorder, log, others), _series(result, recorder, log)
+    met = encounters(recorder.track)
+    soil = soil_plots(recorder.track, find_rover(rover.robot).wheel_names)
+    series = [plot for plot in plots if varies(plot.figure, log.columns[plot.heading])]
+    steady = [plot for plot in plots if plot not in series]
+    content: dict[str, object] = {
+        "result": result,
+        "heading": f"{called} on {Path(result.run.world.terrain).name}",
+        "arguments": values["arguments"],
+        "outcome": values["outcome"],
+        "mishaps": mishaps(result),
+        "written": datetime.now().astimezone().isoformat(sep=" ", timespec="seconds"),
+        "key_figures": tables.key_figures(result),
+        "map": terrain_map,
+        "comparisons": tables.comparisons(result, log, recorder.track),
+        "encounters": tables.encounter_table(met, world_of(result.run).people),
+        "near": NEAR,
+        "contacts": tables.contact_table(result),
+        "messages": tables.message_table(result),
+        "series": [*series, *soil],
+        "steady": tables.steady_table(log, steady),
+        "notes": log.notes,
+        "thinned_to": MOST_ROWS if len(log.time_s) > MOST_ROWS else None,
+        "facts": {name: tables.facts(values[name] or {}) for name in LISTED},
+    }
+    return fill("report", content, "harness.page.run", [terrain_map, *series, *soil])

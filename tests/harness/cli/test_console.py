@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from rich.console import Console
 
-from harness.cli.console import Heartbeat, RunProgress, counted, print_summary
+from harness.cli.console import Heartbeat, counted, driving, print_summary
 from harness.episode.result import CommandCount, RunResult, TopicCount
 from harness.samples import Truth
 from harness.spec.run import Run
@@ -50,10 +50,10 @@ def test_the_summary_of_a_run_is_as_somebody_has_checked() -> None:
 def test_progress_is_shown_on_a_terminal_only(terminal: bool) -> None:
     out = io.StringIO()
     console = Console(file=out, width=120, force_terminal=terminal)
-    with RunProgress(console, "leo on flat", 20.0) as bar:
+    with driving(console, "leo on flat", 20.0) as show_run:
         truth, topics = Truth(time_ns=5_000_000_000, path_length=1.23), {"/scan": TopicCount(4567)}
         run = Run.of(duration=20.0)
-        bar.show(RunResult(run=run, mode="", truth=truth, wall_s=2.0, topics=topics))
+        show_run(RunResult(run=run, mode="", truth=truth, wall_s=2.0, topics=topics))
     with counted(console, "drawing") as show:
         show(3, 7)
     text = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", out.getvalue())

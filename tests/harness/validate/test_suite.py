@@ -15,9 +15,10 @@ from harness.robots import MODELS_DIR, ROVERS, RoverSpec
 from harness.robots.sections import OPEN, Span
 from harness.validate import climbing, driving, rig, stability, suite
 from harness.validate.check import Check, around, at_most
-from harness.validate.suite import Manoeuvres, as_markdown, cells_of, validate
+from harness.validate.suite import Manoeuvres, cells_of, validate
 from tests.support.once import made_once
 from tests.support.rovers import LEO
+from tools.site.documents import validation
 
 BEGIN, END = "<!-- generated: validation -->", "<!-- end -->"
 Tampering = Callable[[mujoco.MjModel], None]
@@ -120,7 +121,7 @@ def test_the_readme_tells_what_the_suite_expects_and_measures(
 ) -> None:
     """Words are the same; numbers differ by what processors may differ in."""
     fresh = tmp_path / "README.md"
-    fresh.write_text(f"{BEGIN}\n{as_markdown(driven)}\n{END}", encoding="utf-8")
+    fresh.write_text(f"{BEGIN}\n{validation(driven)}\n{END}", encoding="utf-8")
     again = cells_in(fresh)
     assert list(SHOWN) == list(again) == list(driven)
     for robot, rows in again.items():
