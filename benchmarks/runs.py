@@ -11,7 +11,7 @@ from benchmarks import ros_runs
 from benchmarks.measuring import Effort, Rounds, Table, against
 from harness.episode.episode import Episode, episodes_of
 from harness.episode.stream import EpisodeStream
-from harness.episode.together import together
+from harness.episode.together import Together
 from harness.robots import ROVERS
 from harness.ros import session
 from harness.spec.run import Run
@@ -97,6 +97,6 @@ def physics(run: Run, commands: Commands) -> float:
 def _episode(run: Run) -> float:
     episodes = episodes_of(run)
     start = time.perf_counter()
-    for _ in together(episodes, ahead=True, awake=True):
+    for _ in Together(episodes, ahead=True, awake=True).batches():
         pass
     return time.perf_counter() - start

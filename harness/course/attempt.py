@@ -22,7 +22,7 @@ from harness.episode.assembly import injector
 from harness.episode.batch import Batch
 from harness.episode.episode import Episode
 from harness.episode.loop import Route, drive
-from harness.episode.together import together
+from harness.episode.together import Together
 from harness.robots.lidar import LidarSpec
 from harness.samples import ActorPoses, GoalPose, JointStates, LaserScan, Pose, Sample, Tick, source
 from rover_metrics.core import rotation
@@ -67,7 +67,7 @@ def _driven(case: Case, task: Task, kind: type[D]) -> tuple[EpisodeResult, D]:
     route = Route(injector(task.run), client.hear, (referee, client))
     failure = ""
     try:
-        for _ in drive(together((episode,)), (route,)):
+        for _ in drive(Together((episode,)).batches(), (route,)):
             if referee.ending:
                 break
     except RunFailed as error:

@@ -21,10 +21,10 @@ from harness.episode.batch import Batch
 from harness.episode.episode import Episode
 from harness.episode.helm import Helm
 from harness.episode.loop import Observer, Pacer, Route, drive
-from harness.episode.metrics_feed import DirectMetrics
+from harness.episode.metrics_feed import SampleFeed
 from harness.episode.result import Outputs, RunAccount, RunResult, Show, TopicCount, cells_of
 from harness.episode.stream import EpisodeStream
-from harness.episode.together import together
+from harness.episode.together import Together
 from harness.faults.injector import FaultInjector
 from harness.messages.sinks import sinks_of
 from harness.robots.lidar import LidarSpec
@@ -38,6 +38,7 @@ from rover_metrics.extended.settings import Settings
 from rover_metrics.log.csv_log import CsvLog
 from rover_metrics.log.session_record import COMPLETE, Outcome, failed, write_record
 from rover_metrics.session import MetricsSession
+from rover_metrics.timing import RowSchedule
 
 
 def run_direct(
@@ -111,9 +112,16 @@ class LoggedRun(AbstractContextManager["LoggedRun"]):
         diagnoses: Whether to make, of each row, the message of diagnostics that metrics_node publishes.
         paused_s: Wall time for which the run was paused so far [s].
 
+    Attributes:
+        last_row: The latest row of the log; None before the first.
+        diagnosis: What /rover/metrics says of the latest tick; None if that has no row.
+
     Raises:
         UsageError: The log cannot be created.
     """
+
+    last_row: Row | None = None
+    diagnosis: bytes | None = None
 
     def __init__(
         self,
@@ -133,24 +141,34 @@ class LoggedRun(AbstractContextManager["LoggedRun"]):
         except LogError as error:
             raise UsageError(str(error)) from error
         _mark(log, None)
-        self._session = session
-        self._metrics = metrics = DirectMetrics(session, LidarSpec(beams=begun.rover.lidar_beams), log)
-        self.advance = metrics.advance
+        self._session, self._schedule = session, RowSchedule(NANOSECONDS)
+        self._feed = feed = SampleFeed(session, LidarSpec(beams=begun.rover.lidar_beams))
         space = f"/{begun.rover.name}" if begun.rover.name else ""
         if diagnoses:
             from harness.episode.diagnostics import Diagnostics  # noqa: PLC0415 - loads messages
 
             stale_after_ns = round(settings.stale_after * NANOSECONDS)
-            metrics.diagnostics = Diagnostics(session, space, stale_after_ns)
+            feed.diagnostics = Diagnostics(session, space, stale_after_ns)
 
         def counts() -> dict[str, TopicCount]:
-            return {f"{space}{topic}": TopicCount(n, n) for topic, n in metrics.fed.items()}
+            return {f"{space}{topic}": TopicCount(n, n) for topic, n in feed.fed.items()}
 
         begun = replace(begun, log_path=log.path)
         self._account = RunAccount(begun, started, show, counts, lambda: log.rows, paused_s)
 
     def __exit__(self, *_: object) -> None:
         self._log.close()
+
+    def advance(self, _: Tick, sent: Tick) -> None:
+        """Takes what listeners get of a tick; the row of a full second comes after its samples."""
+        self.diagnosis = None
+        for sample in sent.samples:
+            self._feed.take(sample)
+        if sent.tells_time and self._schedule.is_due(sent.stamp_ns):
+            self.last_row = row = self._session.row(sent.stamp_ns)
+            self._log.write(row)
+            if self._feed.diagnostics is not None:
+                self.diagnosis = self._feed.diagnostics.message(sent.stamp_ns, row, self.thresholds)
 
     def take(self, batch: Batch) -> None:
         """Takes the next batch."""
@@ -166,19 +184,9 @@ class LoggedRun(AbstractContextManager["LoggedRun"]):
         return replace(result, last_row=cells_of(self.last_row), thresholds=self.thresholds)
 
     @property
-    def last_row(self) -> Row | None:
-        """The latest row of the log; None before the first."""
-        return self._metrics.last_row
-
-    @property
     def thresholds(self) -> Thresholds:
         """What counts as an event."""
         return self._session.metrics.thresholds
-
-    @property
-    def diagnosis(self) -> bytes | None:
-        """What /rover/metrics says of the latest tick, if it was that of a row."""
-        return self._metrics.diagnosis
 
     def use(self, thresholds: Thresholds) -> None:
         """Replaces the thresholds from the next sample on."""
@@ -225,7 +233,8 @@ def run_unlogged(
     begun = RunResult(run=run, mode="without a log", info=episode.info)
     account = RunAccount(begun, started, None, dict, int)
     route = Route(FaultInjector((), run.seed), lambda *_: None, (*observers, account))
-    failure, interrupted = _driven(drive(together((episode,)), (route,), stop), Pacer(None), stop)
+    ticks = drive(Together((episode,)).batches(), (route,), stop)
+    failure, interrupted = _driven(ticks, Pacer(None), stop)
     return account.ended(failure=failure, interrupted=interrupted)
 
 

@@ -1,7 +1,7 @@
 """One seeded drive in one world: world + rover + driver + sensors -> a stream of ticks and truth.
 
 No ROS and no wall clock: the same configuration gives the same stream, bit for bit. Consumers take it
-in batches of one control period, by `together` or, if rovers are ordered to do something meanwhile, from
+in batches of one control period, by `Together` or, if rovers are ordered to do something meanwhile, from
 harness.episode.stream. Rovers that share a world have an episode each, and are driven together; one
 alone is a fleet of one.
 """
@@ -15,7 +15,7 @@ from harness.episode.assembly import check, check_world, scenery, sensor_rows
 from harness.episode.batch import Batch, EpisodeInfo
 from harness.episode.pilot import Pilot
 from harness.episode.sensing import installed, sensor_noise
-from harness.episode.together import together
+from harness.episode.together import Together
 from harness.physics.aside import Errand
 from harness.physics.berths import berth, overlaps
 from harness.physics.scene import build_scenes
@@ -39,7 +39,7 @@ from harness.world.world import terrain_hash
 class Episode:
     """Builds the world on construction; `batches` then drives it once from start to end.
 
-    For several rovers in a world, `episodes_of` makes the episodes and `together` drives them.
+    For several rovers in a world, `episodes_of` makes the episodes and `Together` drives them.
 
     Args:
         run: What determines it.
@@ -137,8 +137,8 @@ class Episode:
         self.pilot.begin()
 
     def batches(self) -> Iterator[Batch]:
-        """Drives the episode, one control period at a time; RunFailed as `together`."""
-        for (batch,) in together((self,)):
+        """Drives the episode, one control period at a time; RunFailed as `Together`."""
+        for (batch,) in Together((self,)).batches():
             yield batch
 
     def can_go_ahead(self, tick: int) -> bool:
@@ -203,7 +203,7 @@ class Episode:
 
 
 def episodes_of(run: Run, frame_options: FrameOptions | None = None) -> tuple[Episode, ...]:
-    """Returns the episodes of a run's rovers, which `together` drives.
+    """Returns the episodes of a run's rovers, which `Together` drives.
 
     Args:
         run: All rovers but the first have a start.

@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from harness.base.sim_time import NANOSECONDS
 from harness.episode.assembly import gravity, tells_energy
 from harness.robots import RoverSpec, find_rover
 from harness.robots.lidar import LidarSpec
@@ -16,7 +15,6 @@ from harness.samples import (
     Odometry,
     Pose,
     Sample,
-    Tick,
     TruthState,
     source,
 )
@@ -25,14 +23,11 @@ from harness.sensors.battery import Battery
 from harness.spec.run import Run
 from rover_metrics.extended.footprint import Footprint, LidarPose
 from rover_metrics.extended.settings import ExtendedSettings, Settings
-from rover_metrics.log.csv_log import CsvLog
 from rover_metrics.session import MetricsSession, Remark
-from rover_metrics.timing import RowSchedule
 from rover_metrics.topics import ENERGY, sources_of
 
 if TYPE_CHECKING:
     from harness.episode.diagnostics import Diagnostics
-    from rover_metrics.core.columns import Row
 
 BATTERY = "battery"  # the sensor whose topic the columns of energy are made of; others have others
 
@@ -126,34 +121,3 @@ class SampleFeed:
                 session.take_contact(touches=sample.hazard_contact)
                 session.take_traversal(sample.traversal)
         return remark
-
-
-class DirectMetrics(SampleFeed):
-    """Feeds ticks to a session of metrics and writes a row, the `last_row`, each simulated second.
-
-    Args:
-        session: The metrics.
-        lidar: Its azimuths and range limits go with each scan.
-        log: Gets the rows.
-
-    Attributes:
-        diagnosis: Message of the diagnostics on the latest row; None if the latest tick has no row.
-    """
-
-    def __init__(self, session: MetricsSession, lidar: LidarSpec, log: CsvLog) -> None:
-        super().__init__(session, lidar)
-        self._log, self._schedule = log, RowSchedule(NANOSECONDS)
-        self.last_row: Row | None = None
-        self.diagnosis: bytes | None = None
-
-    def advance(self, _: Tick, sent: Tick) -> None:
-        """Takes what listeners get of a tick; the row of a full second comes after its samples."""
-        self.diagnosis = None
-        for sample in sent.samples:
-            self.take(sample)
-        if sent.tells_time and self._schedule.is_due(sent.stamp_ns):
-            self.last_row = self._session.row(sent.stamp_ns)
-            self._log.write(self.last_row)
-            if self.diagnostics is not None:
-                thresholds = self._session.metrics.thresholds
-                self.diagnosis = self.diagnostics.message(sent.stamp_ns, self.last_row, thresholds)

@@ -3,7 +3,7 @@
 from collections import deque
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from harness.base.errors import RunFailed
 from harness.base.interrupt import Interrupted
@@ -11,32 +11,10 @@ from harness.base.sim_time import TICKS_PER_CONTROL
 from harness.episode.batch import Batch
 
 if TYPE_CHECKING:
-    from harness.episode.pilot import Pilot
-    from harness.physics.aside import Errand
-    from harness.physics.simulation import Simulation
-    from harness.spec.run import Run
+    from harness.episode.episode import Episode
 
 WAITING = 3  # control periods that may be made before they are asked for
 Ordered = Callable[[], Callable[[], None] | None]
-
-
-class _Episode(Protocol):
-    """What an episode is asked for in a control period; harness.episode.episode says what each does."""
-
-    run: "Run"
-    simulation: "Simulation"
-    pilot: "Pilot"
-
-    @property
-    def looks_at_each_tick(self) -> bool: ...
-    def can_go_ahead(self, tick: int) -> bool: ...
-    def look_ahead(self, tick: int) -> None: ...
-    def errands(self, tick: int) -> "list[Errand]": ...
-    def begin_period(self, tick: int) -> None: ...
-    def begin_observing(self) -> None: ...
-    def needs(self, index: int) -> bool: ...
-    def observe(self, index: int) -> None: ...
-    def end_period(self, *, is_last: bool) -> Batch: ...
 
 
 class Together:
@@ -53,7 +31,7 @@ class Together:
 
     def __init__(
         self,
-        episodes: Sequence[_Episode],
+        episodes: "Sequence[Episode]",
         ordered: Ordered = lambda: None,
         *,
         ahead: bool = False,
@@ -168,17 +146,6 @@ class Together:
             episode.pilot.drive_wheels(ticks)
 
 
-def together(
-    episodes: Sequence[_Episode],
-    ordered: Ordered = lambda: None,
-    *,
-    ahead: bool = False,
-    awake: bool = False,
-) -> Generator[tuple[Batch, ...]]:
-    """Returns the batches of a `Together`, which has these arguments."""
-    return Together(episodes, ordered, ahead=ahead, awake=awake).batches()
-
-
 class _Asked:
     """What is to be done at the beginning of the next control period, asked once for each."""
 
@@ -197,7 +164,7 @@ class _Asked:
             act()
 
 
-def _observe(episodes: Sequence[_Episode], first: int, ticks: int) -> None:
+def _observe(episodes: "Sequence[Episode]", first: int, ticks: int) -> None:
     """Has episodes look at ticks that have just been simulated, of which one is the first."""
     needs = [any(episode.needs(first + tick + 1) for episode in episodes) for tick in range(ticks)]
     for tick in episodes[0].simulation.physics.shown(needs.__getitem__):

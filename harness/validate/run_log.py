@@ -22,7 +22,7 @@ from harness.episode.batch import Batch
 from harness.episode.episode import Episode
 from harness.episode.loop import Route
 from harness.episode.metrics_feed import SampleFeed
-from harness.episode.together import together
+from harness.episode.together import Together
 from harness.robots.lidar import LidarSpec
 from harness.samples import LaserScan, Tick
 from harness.spec.run import Run
@@ -125,7 +125,7 @@ def drive(run: Run) -> Log:
 
     rows = []
     route = Route(injector(run), sink, (Agent(episode, agent),))
-    for tick in loop.drive(together((episode,)), (route,)):
+    for tick in loop.drive(Together((episode,)).batches(), (route,)):
         if tick.stamp_ns % NANOSECONDS == 0:
             row = session.metrics.row(tick.stamp_ns // NANOSECONDS)
             imu = (row.imu_acceleration_magnitude, row.vertical_roughness)

@@ -9,7 +9,7 @@ from harness.episode import loop
 from harness.episode.assembly import injector, world_of
 from harness.episode.episode import Episode
 from harness.episode.loop import Route
-from harness.episode.together import together
+from harness.episode.together import Together
 from harness.robots import find_rover
 from harness.spec.run import Run
 from harness.tune.episodes.plan import Planned
@@ -45,7 +45,7 @@ def _ending(run: Run, collected: Collected) -> Ending:
     """Drives, with nobody but `collected` to look."""
     route = Route(injector(run), lambda *_: None, (collected,))
     try:
-        for _ in loop.drive(together([Episode(run)]), [route]):
+        for _ in loop.drive(Together([Episode(run)]).batches(), [route]):
             if collected.tipped_over:
                 return Ending.TIPPED_OVER
     except Diverged:

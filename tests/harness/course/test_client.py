@@ -9,7 +9,7 @@ from harness.drivers.base import Observation
 from harness.episode.assembly import injector
 from harness.episode.episode import Episode
 from harness.episode.loop import Route, drive
-from harness.episode.together import together
+from harness.episode.together import Together
 from harness.samples import GoalPose, Sample, Tick, Twist
 from harness.spec.run import Run
 
@@ -35,7 +35,7 @@ def test_a_client_is_where_it_was_last_told_to_be_while_its_poses_are_no_numbers
     run = Run.of(terrain="flat", driver="cmd_vel", duration=2.0, faults=("pose:nan=0.5@0.1",))
     episode, driver = Episode(run), Places()
     client = Client(driver, episode)  # type: ignore[arg-type]  # made without a context
-    for _ in drive(together((episode,)), (Route(injector(run), client.hear, (client,)),)):
+    for _ in drive(Together((episode,)).batches(), (Route(injector(run), client.hear, (client,)),)):
         pass
     times, x, y = np.array(driver.seen).T
     assert times.tolist() == [50_000_000 * number for number in range(1, 41)]
@@ -54,7 +54,7 @@ def test_a_client_is_given_the_goals_that_are_published_with_their_headings() ->
             told.append((*goal.position[:2], Rotation.from_quat(goal.orientation).as_euler("zyx")[0]))
         client.hear(tick, sent)
 
-    for _ in drive(together((episode,)), (Route(injector(run), hear, (client,)),)):
+    for _ in drive(Together((episode,)).batches(), (Route(injector(run), hear, (client,)),)):
         pass
     assert np.array(driver.goals) == pytest.approx(np.array(told))
     assert len({yaw for *_, yaw in told}) == len(told) == 2

@@ -14,7 +14,7 @@ import pytest
 from harness.base.errors import RunFailed
 from harness.episode.assembly import fleet
 from harness.episode.episode import Episode, episodes_of
-from harness.episode.together import Together, together
+from harness.episode.together import Together
 from harness.physics import ahead, physics
 from harness.physics.ahead import Ahead
 from harness.physics.base_controller import DiffDrive
@@ -182,7 +182,7 @@ def test_a_container_may_use_a_second_core_if_its_limit_allows_both(
 def test_nothing_goes_on_when_a_drive_is_left_early() -> None:
     threads, batches = (
         threading.active_count(),
-        together(episodes_of(RUNS["a post in the way"]), ahead=True),
+        Together(episodes_of(RUNS["a post in the way"]), ahead=True).batches(),
     )
     for _ in range(9):
         next(batches)

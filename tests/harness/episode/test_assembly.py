@@ -21,7 +21,7 @@ from harness.episode.assembly import (
 )
 from harness.episode.episode import episodes_of
 from harness.episode.metrics_feed import metric_settings
-from harness.episode.together import together
+from harness.episode.together import Together
 from harness.physics.berths import GAP
 from harness.robots import ROVERS, find_rover
 from harness.samples import ActorPoses, Place, TruthState
@@ -143,7 +143,7 @@ def test_goals_and_the_timeout_of_commands_are_for_those_who_heed_them() -> None
         run = several("leo:a", f"leo:b,x=2,y=0,driver={by}")
         check(run.but(plan=run.plan.but(**{field: heeded[field]})))  # one of them is enough
     run = several("leo:a", "leo:b,x=2,y=0,driver=goal", route="19.7,-19.7", duration=0.05)
-    assert [len(batch.goals) for batch in next(together(episodes_of(run)))] == [0, 1]
+    assert [len(batch.goals) for batch in next(Together(episodes_of(run)).batches())] == [0, 1]
 
 
 def test_rovers_without_a_start_stand_beside_the_first_and_nobody_touches() -> None:
@@ -190,7 +190,7 @@ def test_who_walks_through_a_wall_does_so_for_every_rover_of_a_fleet_and_stops_n
     (note,) = world_of(run).notes
     assert note.startswith("actor 'g' walks through hazard_")
     seen: list[list[tuple[float, ...]]] = [[], []]
-    for pair in together(episodes_of(run)):
+    for pair in Together(episodes_of(run)).batches():
         for places, batch in zip(seen, pair, strict=True):
             told = (s for tick in batch.ticks for s in tick.samples if isinstance(s, ActorPoses))
             places += [(s.stamp_ns / 1e9, *s.position[0][:2]) for s in told]
@@ -201,7 +201,7 @@ def test_who_walks_through_a_wall_does_so_for_every_rover_of_a_fleet_and_stops_n
 def test_who_stands_in_the_way_of_one_rover_of_a_fleet_is_touched_by_that_one() -> None:
     shared = {"duration": 1.5, "lidar_beams": 2, "driver": "straight", "actors": ["g=3.6,0"]}
     for texts in (("leo:a,x=-2,y=3", "jackal:b,x=3,y=0"), ("jackal:b,x=3,y=0", "leo:a,x=-2,y=3")):
-        *_, last = together(episodes_of(several(*texts, **shared)))
+        *_, last = Together(episodes_of(several(*texts, **shared))).batches()
         touched = [batch.truth.hazard_contacts > 0 for batch in last]
         assert touched == [text.startswith("jackal") for text in texts]
 
@@ -211,7 +211,7 @@ def test_a_rover_whose_place_is_taken_is_put_beside_who_stands_there() -> None:
     shared = {"duration": 0.3, "lidar_beams": 2, "driver": "straight", "actors": ["g=9,0/9,4"]}
     run = several("leo:a,x=-2,y=3", "rover_zero4wd:b,x=3,y=0,driver=spin", **shared)
     one, other = episodes_of(run)
-    batches = together((one, other))
+    batches = Together((one, other)).batches()
     next(batches)
     there = one.simulation.position
     other.reset(Place(*there[:2], 1.0))

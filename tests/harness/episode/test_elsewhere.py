@@ -13,7 +13,7 @@ from harness.course.planner import Planner
 from harness.episode.assembly import check_world, fleet, graded_world, world_of
 from harness.episode.episode import episodes_of
 from harness.episode.maps import MAP, occupancy_bytes
-from harness.episode.together import together
+from harness.episode.together import Together
 from harness.gym.places import Places
 from harness.page.run.hillshade import map_layout, shade
 from harness.samples import ActorPoses, GroundTruth, LaserScan, Sample, TruthState
@@ -74,7 +74,7 @@ def test_a_world_that_lies_elsewhere_is_the_same(tmp_path: Path) -> None:
         for each in episodes:
             assert (each.info.notes, each.info.files) == (world.notes, world.files)
             assert each.info.targets == {"post": world.targets[0].position}
-        ticks = [tick for period in together(episodes) for one in period for tick in one.ticks]
+        ticks = [tick for period in Together(episodes).batches() for one in period for tick in one.ticks]
         found.append([number for t in ticks for each in t.samples for number in told(each, (x, y))])
         found[-1] += np.nan_to_num(graded_world(run).layers["danger"]).ravel().tolist()
     assert found[1] == pytest.approx(found[0], abs=1e-3)

@@ -13,7 +13,7 @@ from harness.episode.assembly import fleet, injector
 from harness.episode.batch import Batch
 from harness.episode.episode import episodes_of
 from harness.episode.stream import EpisodeStream, Progress, RoverOrders
-from harness.episode.together import together
+from harness.episode.together import Together
 from harness.samples import Imu, JointStates, LaserScan, Place, Pose, Twist
 from harness.sensors.battery import Battery
 from harness.sensors.gnss import GnssFix
@@ -140,7 +140,7 @@ def test_a_rover_of_a_fleet_does_and_tells_what_it_would_alone_by_its_own_seed(o
 def told(run: Run, number: int) -> Iterator[tuple[object, ...]]:
     """The goals of each period of a rover, and the samples of each tick that its faults leave."""
     faults = injector(run, number)
-    for batches in together(episodes_of(run)):
+    for batches in Together(episodes_of(run)).batches():
         yield batches[number].goals
         yield from (faults.corrupt(tick).samples for tick in batches[number].ticks)
 

@@ -82,8 +82,8 @@ def driven(monkeypatch: pytest.MonkeyPatch) -> list[Run]:
     def side_by_side(*made: Any, **_: object) -> SimpleNamespace:  # noqa: ANN401 - as it is called
         return SimpleNamespace(batches=lambda: together(*made), hasten=lambda: None)
 
-    monkeypatch.setattr(direct, "together", together)
-    monkeypatch.setattr(stream, "Together", side_by_side)
+    for module in (direct, stream):
+        monkeypatch.setattr(module, "Together", side_by_side)
     return seen
 
 

@@ -11,7 +11,7 @@ import harness.gym  # noqa: F401 - registers its environments
 from harness.base.errors import UsageError
 from harness.episode.assembly import fleet
 from harness.episode.episode import Episode, episodes_of
-from harness.episode.together import together
+from harness.episode.together import Together
 from harness.samples import TruthState
 from harness.soil.soils import SOIL_CONTACT
 from harness.spec.fleet import parse_rovers
@@ -65,7 +65,7 @@ def test_ground_is_fresh_once_all_rovers_are_put_back_unless_ruts_are_kept(
     run = Run.of(**words, keep_ruts=keep, duration=3.1)
     several = parse_rovers(("leo:a", "leo:b"), run.rover)
     episodes = episodes_of(run if count == 1 else fleet(run, several))
-    bed, driven = episodes[0].simulation.physics.bed, together(episodes)
+    bed, driven = episodes[0].simulation.physics.bed, Together(episodes).batches()
     assert bed is not None
     for _ in range(60):
         next(driven)
@@ -86,7 +86,8 @@ def test_ground_is_fresh_once_all_rovers_are_put_back_unless_ruts_are_kept(
 def test_a_drive_of_a_fleet_that_was_put_back_on_fresh_ground_is_the_one_before() -> None:
     run = Run.of(terrain="rolling", soil="dry_sand", driver="spin", duration=4.1)
     episodes = episodes_of(fleet(run, parse_rovers(("leo:a", "jackal:b"), run.rover)))
-    driven, ways, bed = together(episodes), list[list[object]](), episodes[0].simulation.physics.bed
+    driven, ways = Together(episodes).batches(), list[list[object]]()
+    bed = episodes[0].simulation.physics.bed
     assert bed is not None
     for _ in range(2):
         felt = [(next(driven), bed.felt.tolist())[1] for _ in range(40)]

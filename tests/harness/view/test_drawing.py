@@ -13,7 +13,7 @@ from harness.base.errors import UsageError
 from harness.base.interrupt import Interrupted, StopRequest
 from harness.episode.assembly import fleet
 from harness.episode.episode import episodes_of
-from harness.episode.together import together
+from harness.episode.together import Together
 from harness.run import main
 from harness.spec.fleet import parse_rovers
 from harness.spec.run import Run
@@ -89,7 +89,7 @@ def test_of_a_fleet_the_states_of_each_rover_are_drawn(
     two = fleet(run, parse_rovers(("leo:a", "rover_zero4wd:b,x=3,y=-2"), run.rover))
     with Drawing(tmp_path / "a.png", None, lidar=False) as drawing:
         drawing.prepare(two)
-        for batches in together(episodes_of(two)):
+        for batches in Together(episodes_of(two)).batches():
             for observer, batch in zip(drawing.observers, batches, strict=True):
                 observer.take(batch)
         drawing.begin()

@@ -12,7 +12,7 @@ import pytest
 
 from harness.episode.assembly import fleet, world_of
 from harness.episode.episode import Episode, episodes_of
-from harness.episode.together import together
+from harness.episode.together import Together
 from harness.physics.scene import build_scene
 from harness.physics.world_geoms import TERRAIN
 from harness.samples import LaserScan
@@ -106,7 +106,7 @@ def test_all_of_a_scene_stands_where_it_stood_in_the_simulation(
     data, there = episodes[0].simulation.data, dict[int, tuple[np.ndarray, ...]]()
     with ExitStack() as at_end:
         writers = [at_end.enter_context(closing(StateWriter(f, run, n))) for n, f in enumerate(files)]
-        for batches in together(episodes):
+        for batches in Together(episodes).batches():
             for writer, batch in zip(writers, batches, strict=True):
                 writer.take(batch)
             stamp_ns, scans = batches[0].ticks[-1].stamp_ns, [b.ticks[-1].of(LaserScan) for b in batches]
@@ -142,7 +142,7 @@ def driven(folder: Path, run: Run) -> list[Path]:
     files = [folder / f"{episode.number}.states" for episode in episodes]
     with ExitStack() as at_end:
         writers = [at_end.enter_context(closing(StateWriter(f, run, n))) for n, f in enumerate(files)]
-        for batches in together(episodes):
+        for batches in Together(episodes).batches():
             for writer, batch in zip(writers, batches, strict=True):
                 writer.take(batch)
     return files
