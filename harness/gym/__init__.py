@@ -64,9 +64,9 @@ for _vector, _id in _VECTORS.items():
 
 def __getattr__(name: str) -> object:
     if name in _VECTORS:
-        from harness.gym.processes import vector  # noqa: PLC0415 - which one environment does without
+        from harness.gym.many import ManyRovers  # noqa: PLC0415 - which one environment does without
 
-        return partial(vector, ENVIRONMENTS[_VECTORS[name]])
+        return partial(ManyRovers, ENVIRONMENTS[_VECTORS[name]])
     if name not in _PLACES:
         raise AttributeError(f"module '{__name__}' has no attribute '{name}'")
     return _PLACES[name]

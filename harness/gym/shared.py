@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.gym.env import RoverEnv
-from harness.gym.many import Flags
-from harness.gym.vector import RoverVectorEnv
+from harness.gym.vector import Flags, Part
 
 AWAKE = 1e-3  # [s] in which a process that waits does not sleep
 
@@ -31,11 +30,11 @@ class Shared(NamedTuple):
     truncated: Flags
 
     @classmethod
-    def of(cls, memory: Any, shapes: Shapes, count: int) -> "Shared":  # noqa: ANN401 - a RawArray
+    def of(cls, memory: Any, shapes: Shapes, count: int) -> "Shared":  # noqa: ANN401 - a RawArray, or bytes
         """Returns views of a memory.
 
         Args:
-            memory: A RawArray of bytes, large enough for all.
+            memory: A RawArray or other bytes, large enough for all.
             shapes: Of each part of an observation, by name.
             count: Of environments.
         """
@@ -76,14 +75,14 @@ def serve(
         make: Makes one environment.
         place: The memory, the shapes of the parts of an observation, how many environments there are in
             all, and which of them are here.
-        given: Options of RoverVectorEnv.
+        given: Options of a Part.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the terminal's is for the parent
     if hasattr(signal, "pthread_sigmask"):  # a parent that ends without closing sends it, and waits
         signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGTERM])
     *memory, part = place
     shared = Shared.of(*memory).rows(part)
-    envs = RoverVectorEnv(make, num_envs=part.stop - part.start, **given)
+    envs = Part(make, part.stop - part.start, **given)
     waited = 0.0
     with contextlib.suppress(EOFError, ConnectionError):
         while True:
@@ -107,7 +106,7 @@ def stay_awake(connection: Connection) -> None:
 
 
 def answered(
-    envs: RoverVectorEnv, shared: Shared, request: str, args: Sequence[Any]
+    envs: Part, shared: Shared, request: str, args: Sequence[Any]
 ) -> "Sequence[Any] | Exception":
     """Does what is asked of the environments of a process.
 
@@ -126,7 +125,7 @@ def answered(
         return error
 
 
-def _answer(envs: RoverVectorEnv, shared: Shared, request: str, args: Sequence[Any]) -> Sequence[Any]:
+def _answer(envs: Part, shared: Shared, request: str, args: Sequence[Any]) -> Sequence[Any]:
     if request == "render":
         return envs.render()
     if request != "reset":

@@ -1,4 +1,4 @@
-"""Many environments that are stepped together, on all processors.
+"""Environments that one process steps together, on all processors.
 
 Each is an environment of its own, with its own world, and each trajectory is the one that it drives by
 itself, to the bit. The physics of some is done by other threads, which do without the interpreter, while
@@ -15,22 +15,22 @@ from numpy.typing import NDArray
 
 from harness.base.errors import UsageError
 from harness.gym.env import Info, RoverEnv
-from harness.gym.many import Flags, ManyRovers
 from harness.gym.observation import Observation
 from harness.physics.physics import Physics
 from harness.physics.pool import Pool
 
+Flags = NDArray[np.bool_]
 
-class RoverVectorEnv(ManyRovers):
-    """Environments in this process.
+
+class Part:
+    """Those of many environments that are in one process.
 
     Args:
         make: Makes one environment from a render mode and options.
         num_envs: Number of environments.
-        autoreset_mode: When an environment that has ended begins anew, as Gymnasium defines it.
+        mode: When an environment that has ended begins anew.
         threads: Number of threads that do the physics, this one among them; 0 for one per processor.
-        render_mode: Render mode of each environment.
-        options: Options of each environment.
+        options: Render mode and options of each environment.
 
     Attributes:
         envs: The environments.
@@ -43,29 +43,32 @@ class RoverVectorEnv(ManyRovers):
     def __init__(
         self,
         make: Callable[..., RoverEnv[Any]],
+        num_envs: int,
         *,
-        num_envs: int = 1,
-        autoreset_mode: str | AutoresetMode = AutoresetMode.NEXT_STEP,
-        threads: int = 0,
-        render_mode: str | None = None,
+        mode: AutoresetMode,
+        threads: int,
         **options: object,
     ) -> None:
         if threads < 0:
             raise UsageError(f"threads {threads} is not valid; give 1 or more, or 0 for all processors")
-        one = make(render_mode=render_mode, **options)
-        super().__init__(one, num_envs, autoreset_mode)
-        self.envs = [one, *(make(render_mode=render_mode, **options) for _ in range(1, num_envs))]
+        self._mode, self.num_envs = mode, num_envs
+        self.envs = [make(**options) for _ in range(num_envs)]
         others = min(num_envs, threads or cpu_count()) - 1
         self._pool = Pool(num_envs, others) if others else None
-        self.seen: list[Observation] = [{}] * num_envs
+        self.seen = [Observation()] * num_envs
         self._ended: Flags = np.zeros(num_envs, np.bool_)
 
     def reset_each(
         self, mask: Flags, seeds: Sequence[int | None], options: dict[str, Any]
     ) -> list[Info]:
-        """Begins an episode in those of a mask; returns the info of each, empty of others."""
-        infos: list[Info] = [{}] * self.num_envs
+        """Begins an episode in some environments; returns the info of each, empty of others.
 
+        Args:
+            mask: In which, shape (num_envs,).
+            seeds: One per environment; None goes on with its random numbers.
+            options: Of Gymnasium's reset, the same for all.
+        """
+        infos: list[Info] = [{}] * self.num_envs
         for index in np.flatnonzero(mask).tolist():
             env = self.envs[index]
             self.seen[index], infos[index] = env.reset(seed=seeds[index], options=options)
@@ -73,7 +76,7 @@ class RoverVectorEnv(ManyRovers):
         return infos
 
     def accept(self, actions: NDArray[np.floating[Any]]) -> None:
-        """Takes the actions of the next step, or raises as `step`: a mistake changes nothing."""
+        """Takes the actions of the next step, or raises as RoverEnv: a mistake changes nothing."""
         for index in self._stepped():
             self.envs[index].accept(actions[index])
 
@@ -98,7 +101,7 @@ class RoverVectorEnv(ManyRovers):
         """Returns what each environment draws."""
         return tuple(env.render() for env in self.envs)
 
-    def close_extras(self, **_: Any) -> None:  # noqa: ANN401 - gymnasium's signature
+    def close(self) -> None:
         """Closes the environments, which ends their threads."""
         for env in self.envs:
             env.close()
@@ -124,10 +127,6 @@ class RoverVectorEnv(ManyRovers):
         for place in self._pool.step(map(_commanded, envs)):
             envs[place].drive()
             envs[place].sense()
-
-    def _observations(self) -> Observation:
-        seen = self.seen
-        return {name: np.array([observation[name] for observation in seen]) for name in seen[0]}
 
 
 def _commanded(env: RoverEnv[Any]) -> Physics:

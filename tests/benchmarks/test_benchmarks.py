@@ -46,7 +46,7 @@ def test_every_benchmark_measures_something(
         pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
     monkeypatch.setattr("benchmarks.__main__.QUICK", SMALLEST)
     if name == "gym":
-        monkeypatch.setattr("harness.gym.processes.multiprocessing", ForkServer())
+        monkeypatch.setattr("harness.gym.many.multiprocessing", ForkServer())
     for place, less in LESS.items():
         if place.startswith(f"{name}."):
             monkeypatch.setattr(f"benchmarks.{place}", less)

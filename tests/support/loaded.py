@@ -15,7 +15,7 @@ for _module in (
     import_module(_module)
 with contextlib.suppress(ImportError, UsageError):  # without the extra [gym]
     import_module("harness.gym.point_nav")
-    import_module("harness.gym.processes")
+    import_module("harness.gym.many")
 with contextlib.suppress(ImportError):  # without ROS there is less to load
     import_module("harness.ros.session")
     import_module("rover_metrics.metrics_node")

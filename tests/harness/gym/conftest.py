@@ -26,7 +26,7 @@ MakeConfig = Callable[..., Run]
 @pytest.fixture(scope="session", autouse=True)
 def _forked_environments() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:  # test_processes.py has scripts that spawn theirs
-        patch.setattr("harness.gym.processes.multiprocessing", ForkServer())
+        patch.setattr("harness.gym.many.multiprocessing", ForkServer())
         yield
 
 

@@ -11,7 +11,7 @@ from gymnasium.vector import AutoresetMode, SyncVectorEnv
 
 from harness.base.errors import UsageError
 from harness.gym import ENVIRONMENTS
-from harness.gym.vector import RoverVectorEnv
+from harness.gym.many import ManyRovers
 
 ID = "RoverHarness/PointNav-v0"
 # About every third goal is reached at once, others not at all.
@@ -119,7 +119,7 @@ def test_an_episode_that_ends_and_begins_in_one_step_counts_once_for_the_curricu
 @pytest.mark.parametrize(("name", "kind"), ENVIRONMENTS.items())
 def test_every_environment_is_registered_with_its_vector(name: str, kind: type) -> None:
     envs: Any = gymnasium.make_vec(name, num_envs=2, vectorization_mode="vector_entry_point")
-    assert isinstance(envs, RoverVectorEnv)
+    assert isinstance(envs, ManyRovers)
     assert [type(env) for env in envs.envs] == [kind, kind]
     assert type(gymnasium.make(name).unwrapped) is kind
     envs.close()
