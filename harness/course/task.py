@@ -35,14 +35,19 @@ class Task:
     Attributes:
         run: The world and the rover, which obeys commands, and the route that is to be driven.
         shortest: Length of the shortest way through all goals [m].
-        optimal: Time that it takes at best [s].
+        speed: At which that can be driven at best [m/s].
         rule: How it is judged.
     """
 
     run: Run
     shortest: float
-    optimal: float
+    speed: float
     rule: Rule
+
+    @property
+    def optimal(self) -> float:
+        """Time that the shortest way takes at best [s]."""
+        return self.shortest / self.speed
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,6 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
-from typing import NamedTuple
 
 from harness.base.errors import UsageError, find_named
 from harness.base.made_of_files import Files, made_of_files
@@ -169,23 +168,13 @@ def actuator_faults(run: Run, number: int) -> ActuatorFaults:
     return ActuatorFaults(find_faults(rover.faults, sensor_rows(rover)), run.own_seed(number))
 
 
-class Scenery(NamedTuple):
-    """The world of a run, and who starts where in it."""
-
-    world: World
-    members: tuple[Member, ...]
-
-
-def scenery(run: Run) -> Scenery:
+def scenery(run: Run) -> tuple[World, tuple[Member, ...]]:
     """Returns the world of a run, and who starts where in it."""
     world = world_of(run)
     starts = [world.start if r.start is None else starting_at(world, r.start).start for r in run.rovers]
-    return Scenery(
-        world,
-        tuple(
-            Member(rover.name, rover_of(rover), start)
-            for rover, start in zip(run.rovers, starts, strict=True)
-        ),
+    return world, tuple(
+        Member(rover.name, rover_of(rover), start)
+        for rover, start in zip(run.rovers, starts, strict=True)
     )
 
 

@@ -4,7 +4,6 @@ import os
 from collections import Counter
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 from functools import partial
 from statistics import median
 from typing import Any
@@ -25,17 +24,7 @@ HOW = (
 ID, UNSEEN = "RoverHarness/PointNav-v0", 1_000_000  # the first seed; learning begins with small ones
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """How one episode went.
-
-    Attributes:
-        ending: As the environment tells it.
-        seconds: Of simulation time.
-    """
-
-    ending: str
-    seconds: float
+Outcome = tuple[str, float]  # how an episode ended, and after how long [s of simulation time]
 
 
 def drive(policy: Policy, options: dict[str, Any], seed: int) -> Outcome:
@@ -52,7 +41,7 @@ def drive(policy: Policy, options: dict[str, Any], seed: int) -> Outcome:
     while not ending:
         observation, *_, info = env.step(policy.act(observation))
         ending = info["ending"]
-    return Outcome(ending, env.steps * CONTROL_PERIOD)
+    return ending, env.steps * CONTROL_PERIOD
 
 
 def straight_ahead(beams: int) -> Policy:
@@ -70,11 +59,11 @@ def row(name: str, terrain: str, outcomes: list[Outcome]) -> tuple[str, ...]:
         terrain: On which.
         outcomes: One per episode.
     """
-    endings = Counter(outcome.ending for outcome in outcomes)
+    endings = Counter(ending for ending, _ in outcomes)
     good, count = endings.pop("reached", 0), len(outcomes)
     low, high = wilson(good, count, 0.95)
     failures = ", ".join(f"{ending} {number}" for ending, number in sorted(endings.items()))
-    times = [outcome.seconds for outcome in outcomes if outcome.ending == "reached"]
+    times = [seconds for ending, seconds in outcomes if ending == "reached"]
     return (
         name,
         terrain,

@@ -15,26 +15,18 @@ import numpy as np
 from harness.scenario.bound import Bound
 from harness.scenario.case import cell_name
 from harness.scenario.names import COUNT, heard_quantity
-from harness.scenario.verdict import CONFIDENCE, Attempt, Verdict, outcome_of
+from harness.scenario.verdict import CONFIDENCE, Attempt, Runs, Verdict
 from rover_metrics.analysis.logs.log import Floats
 from rover_metrics.analysis.metric import Kind
 from rover_metrics.analysis.statistics.comparison import Comparison, compare, holm, smallest_p
-from rover_metrics.analysis.statistics.summary import Interval, Summary, summarise_independent, wilson
+from rover_metrics.analysis.statistics.summary import Summary, summarise_independent
 
 
 @dataclass(frozen=True)
-class Cell:
-    """The runs that have the same values of the matrix.
-
-    Attributes:
-        values: Those, by name; none without a matrix.
-        good: How many runs are as they should be; `interval` is Wilson's of their share.
-    """
+class Cell(Runs):
+    """The runs that have the same values of the matrix: those, by name; none without a matrix."""
 
     values: tuple[tuple[str, Any], ...]
-    attempts: tuple[Attempt, ...]
-    good: int
-    interval: Interval
 
     @property
     def name(self) -> str:
@@ -135,9 +127,7 @@ def _window(bound: Bound) -> str:
 
 def _cells(attempts: Sequence[Attempt]) -> Iterator[Cell]:
     for values, group in groupby(attempts, key=lambda attempt: attempt.case.cell):
-        some = tuple(group)
-        good = sum(outcome_of(attempt).is_good for attempt in some)
-        yield Cell(values, some, good, wilson(good, len(some), CONFIDENCE))
+        yield Cell(tuple(group), values)
 
 
 def _compared(title: str, bound: Bound, index: int, cells: Sequence[Cell]) -> Compared:

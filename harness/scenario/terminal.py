@@ -75,7 +75,7 @@ def _rate(verdict: Verdict) -> str:
         return ""
     low, high = verdict.interval
     count = len(verdict.attempts)
-    return f": {round(verdict.rate * count)} of {count} runs (95 % interval {low:.0%} to {high:.0%})"
+    return f": {verdict.good} of {count} runs (95 % interval {low:.0%} to {high:.0%})"
 
 
 def _print_run(console: Console, attempt: Attempt) -> None:

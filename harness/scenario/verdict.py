@@ -96,20 +96,41 @@ def reasons_of(attempt: Attempt) -> tuple[str, ...]:
 
 
 @dataclass(frozen=True)
-class Verdict:
-    """What is said of a scenario.
+class Runs:
+    """Several runs, and how many of them are good."""
 
-    Attributes:
-        rate: Share of the runs that are good.
-        interval: Of the rate, by Wilson's method, at 95 %.
-        outcome: ERROR if a run could not be run, else PASSED or FAILED.
-    """
+    attempts: tuple[Attempt, ...]
+
+    @property
+    def good(self) -> int:
+        """How many are as they should be."""
+        return sum(outcome_of(attempt).is_good for attempt in self.attempts)
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """Of their share, by Wilson's method, at 95 %."""
+        return wilson(self.good, len(self.attempts), CONFIDENCE)
+
+
+@dataclass(frozen=True)
+class Verdict(Runs):
+    """What is said of a scenario, of all its runs."""
 
     path: Path
-    attempts: tuple[Attempt, ...]
-    rate: float
-    interval: tuple[float, float]
-    outcome: Outcome
+
+    @property
+    def rate(self) -> float:
+        """Share of the runs that are good."""
+        return self.good / len(self.attempts)
+
+    @property
+    def outcome(self) -> Outcome:
+        """ERROR if a run could not be run, else PASSED or FAILED."""
+        if any(attempt.error is not None for attempt in self.attempts):
+            return Outcome.ERROR
+        asked = self.attempts[0].case.scenario.pass_rate
+        passed = self.rate >= (1.0 if asked is None else asked.min)
+        return Outcome.PASSED if passed else Outcome.FAILED
 
 
 def bad_runs(verdicts: Iterable[Verdict]) -> Iterator[Attempt]:
@@ -130,18 +151,7 @@ def verdicts_of(attempts: Sequence[Attempt]) -> list[Verdict]:
     by_path: dict[Path, list[Attempt]] = {}
     for attempt in attempts:
         by_path.setdefault(attempt.case.path, []).append(attempt)
-    return [_verdict(path, some) for path, some in by_path.items()]
-
-
-def _verdict(path: Path, attempts: list[Attempt]) -> Verdict:
-    outcomes = [outcome_of(attempt) for attempt in attempts]
-    good = sum(outcome.is_good for outcome in outcomes)
-    asked = attempts[0].case.scenario.pass_rate
-    rate = good / len(outcomes)
-    outcome = Outcome.PASSED if rate >= (1.0 if asked is None else asked.min) else Outcome.FAILED
-    if Outcome.ERROR in outcomes:
-        outcome = Outcome.ERROR
-    return Verdict(path, tuple(attempts), rate, wilson(good, len(outcomes), CONFIDENCE), outcome)
+    return [Verdict(tuple(some), path) for path, some in by_path.items()]
 
 
 def exit_code(verdicts: Sequence[Verdict]) -> int:

@@ -9,7 +9,6 @@ generator that made BARN's.
 from collections.abc import Iterable, Sequence
 from importlib.resources import files
 from pathlib import Path
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +25,7 @@ from harness.robots import find_rover
 
 START, NEAR = (*PLACE, 1.57), 1.0  # [m] from the goal that counts as reached
 CELL = 0.15  # [m] of the grid
-SIDE, ROWS, FIRST_ROW = 30, 64, 34  # cells of the field's side; rows; the field's first
+SIDE, FIRST_ROW = 30, 34  # cells of the field's side; the field's first row
 CORNER = (-4.425, 0.075)  # [m] of the grid's first cell
 REFERENCE_SPEED = 2.0  # [m/s] of the optimal time
 # Of the generator's twelve sets: share of filled cells, rounds of smoothing.
@@ -43,7 +42,6 @@ class Barn(Track):
 
     name, summary = "barn", "BARN's worlds, rules and score (0.5 at best)"
     rule, robot = RULE, "jackal"
-    takes_worlds: ClassVar[bool] = True
 
     def cases(self, seeds: int, folder: Path | None = None) -> list[Case]:
         """Returns BARN's own test worlds, or those of a folder, one per seed."""
@@ -70,7 +68,7 @@ class Barn(Track):
         length = case.world.length
         if length is None:
             length = Planner(world_of(run), find_rover(self.robot)).length((PLACE, GOAL))
-        return self.asked(run, length, REFERENCE_SPEED)
+        return Task(run=run, shortest=length, speed=REFERENCE_SPEED, rule=RULE)
 
 
 BARN = Barn()

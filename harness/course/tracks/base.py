@@ -2,7 +2,6 @@
 
 from abc import ABC, abstractmethod
 from pathlib import Path
-from typing import ClassVar
 
 from harness.base.errors import UsageError
 from harness.course.task import Case, Point, Rule, Task
@@ -33,7 +32,6 @@ class Track(ABC):
     summary: str
     rule: Rule = Rule()
     robot: str = "leo"
-    takes_worlds: ClassVar[bool] = False  # whether worlds of a user's own can be driven
 
     def cases(self, seeds: int, folder: Path | None = None) -> list[Case]:
         """Returns the public episodes.
@@ -60,16 +58,6 @@ class Track(ABC):
         Raises:
             UsageError: Its world cannot be read, or has no way to the goal.
         """
-
-    def asked(self, run: Run, length: float, speed: float) -> Task:
-        """Returns the task of a run.
-
-        Args:
-            run: With the route that is to be driven.
-            length: Of the shortest way through all goals [m].
-            speed: At which it can be driven at best [m/s].
-        """
-        return Task(run=run, shortest=length, optimal=length / speed, rule=self.rule)
 
     def run(self, **values: object) -> Run:
         """Returns a run of this track's rover, which obeys commands, with these values of its fields."""

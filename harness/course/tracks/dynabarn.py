@@ -59,7 +59,7 @@ class DynaBarn(Track):
             seed=case.seed,
             lidar_beams=960,
         )
-        return self.asked(run, LENGTH, REFERENCE_SPEED)
+        return Task(run=run, shortest=LENGTH, speed=REFERENCE_SPEED, rule=RULE)
 
 
 DYNABARN = DynaBarn()

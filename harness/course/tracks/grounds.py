@@ -56,7 +56,8 @@ class Ground(Track):
         way, plan = self._mission(planner, rover.reach + MARGIN, rng)
         yaw = math.atan2(way[1][1], way[1][0])
         run = run.alone(start=(*START, round(yaw, 3)), **plan)
-        return self.asked(run, planner.length(way), rover.top_speed)
+        length = planner.length(way)
+        return Task(run=run, shortest=length, speed=rover.top_speed, rule=self.rule)
 
     def _mission(
         self, planner: Planner, room: float, rng: np.random.Generator

@@ -66,13 +66,12 @@ def _bad(attempt: Attempt, page: Path) -> dict[str, Any]:
 
 def _line(number: int, verdict: Verdict) -> dict[str, str]:
     """Returns the row of a scenario in the table of all; of several runs it links to their section."""
-    good = sum(outcome_of(attempt).is_good for attempt in verdict.attempts)
     several, name = len(verdict.attempts) > 1, scenario_name(verdict.path)
     state = Markup('<span class="state {}">{}</span>')
     return {
         "Scenario": Markup('<a href="#scenario-{}">{}</a>').format(number, name) if several else name,
         "Outcome": state.format(CLASSES[verdict.outcome], verdict.outcome.value),
-        "Runs that pass": f"{good} of {len(verdict.attempts)}",
+        "Runs that pass": f"{verdict.good} of {len(verdict.attempts)}",
         "95 % interval": " to ".join(f"{e:.0%}" for e in verdict.interval) if several else NONE,
         "What is checked": verdict.attempts[0].case.scenario.about,
     }

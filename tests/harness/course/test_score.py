@@ -24,7 +24,7 @@ from harness.world.grid import STEPS, distances, travel
 from harness.world.world import build_world
 from tests.harness.course.conftest import driven
 
-TASK = Task(run=Run(), shortest=10.0, optimal=20.0, rule=Rule())
+TASK = Task(run=Run(), shortest=10.0, speed=0.5, rule=Rule())
 DRIVE = Drive("reached", 1, 20.0, 0.0, 0.0, 0.0, Truth(path_length=10.0))
 
 
