@@ -28,7 +28,6 @@ from harness.physics.stepping_record import SPAN
 from harness.physics.world_geoms import soil_ground
 from harness.robots.model import keep_mujoco_quiet
 from harness.world.heightfield import EDGE_MARGIN, Heightfield
-from harness.world.world import Start
 
 if TYPE_CHECKING:
     from harness.soil.bed import Bed
@@ -102,7 +101,7 @@ class Physics:
             rover.restore(state)
             rover.parking.hold(True)
         if not settled:
-            self.settle([(rover, rover.scene.world.start) for rover in self.rovers])
+            settle(self, [(rover, rover.scene.world.start) for rover in self.rovers])
         if self.bed is not None and ruts is None:
             self.bed.smooth()
 
@@ -293,17 +292,6 @@ class Physics:
     def latest_sums(self, ticks: int) -> NDArray[np.float64]:
         """Returns the `tick_sum` of that many ticks up to the one that is shown, a row of each."""
         return self._span.sums[self._tick + 1 - ticks : self._tick + 1]
-
-    def settle(self, starts: Sequence[tuple[Rover, Start]]) -> None:
-        """Lets rovers down onto the ground, so that no drop pollutes the first samples; no time passes.
-
-        Args:
-            starts: Where each of them is let down.
-
-        Raises:
-            Diverged: One of them cannot stand there.
-        """
-        settle(self.data, self.rovers, starts, self.timestep_ns, self.time_ns)
 
     def put_back(self, rover: Rover) -> None:
         """Takes note that a rover is put elsewhere, and takes out all ruts once all have been in a tick.

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from harness.physics.physics import Physics
 from harness.physics.scene import Scene
+from harness.physics.settling import settle
 from harness.samples import Quaternion, Vector3
 from rover_metrics.core import rotation
 
@@ -179,7 +180,7 @@ class Simulation:
         """
         self.return_to_start()
         self._rover.velocities[:] = 0.0
-        self.physics.settle([(self._rover, (x, y, yaw))])
+        settle(self.physics, [(self._rover, (x, y, yaw))])
 
 
 def simulations(scenes: Sequence[Scene], timestep_ns: int) -> tuple[Simulation, ...]:

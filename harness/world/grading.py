@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from harness.world.heightfield import Field, Heightfield
 from harness.world.obstacles import HEADROOM, ObstacleKind, bottom, top
 from harness.world.occupancy import RESOLUTION, covered, middles
-from harness.world.statistics import WINDOW, RoughnessMap, averaged, steepness
+from harness.world.statistics import WINDOW, RoughnessMap, averaged, rises, steepness
 from harness.world.world import World
 
 Cells = NDArray[np.float64]
@@ -59,9 +59,10 @@ def graded(world: World, limits: Limits) -> GradedMap:
     places = tuple(along + middle for along, middle in zip(at, ground.middle, strict=True))
     x, y = np.meshgrid(*places)
     slope = _sampled(_slope(ground, WINDOW), ground, x, y)
-    step = _sampled(_steps(ground, limits.slope), ground, x, y)
+    beyond_slope = rises(ground.heights) - ground.cell * math.tan(limits.slope)
+    step = _sampled(np.maximum(beyond_slope, 0.0), ground, x, y)
     tilt = _sampled(_slope(ground, limits.span), ground, x, y)
-    roughness = _sampled(np.sqrt(RoughnessMap(ground).on_vertices()), ground, x, y)
+    roughness = _sampled(np.sqrt(RoughnessMap(ground).squares), ground, x, y)
     elevation, hazard = ground.heights_at(x, y), np.zeros(x.shape, bool)
     for obstacle in world.obstacles:
         level = ground.height_at(*obstacle.position[:2])
@@ -86,16 +87,6 @@ def _raise(layer: Cells, window: Any, cells: NDArray[np.bool_], least: float) ->
 def _slope(ground: Heightfield, window: float) -> Field:
     """The slope at each vertex of the ground averaged over a window [rad]."""
     return np.asarray(np.arctan(steepness(averaged(ground, window), ground.cell)))
-
-
-def _steps(ground: Heightfield, slope: float) -> Field:
-    """What rises from a vertex to its next ones beyond a slope [m]."""
-    highest = np.zeros_like(ground.heights)
-    for heights, most in ((ground.heights, highest), (ground.heights.T, highest.T)):
-        rises = np.abs(np.diff(heights, axis=0)) - ground.cell * math.tan(slope)
-        most[1:] = np.maximum(most[1:], rises)
-        most[:-1] = np.maximum(most[:-1], rises)
-    return highest
 
 
 def _sampled(vertices: Field, ground: Heightfield, x: Cells, y: Cells) -> Cells:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from harness.world.heightfield import EDGE_MARGIN, Heightfield
 from harness.world.obstacles import HEADROOM, Obstacle, ObstacleKind, bottom, outline, top
-from harness.world.statistics import WINDOW, averaged, steepness
+from harness.world.statistics import WINDOW, averaged, rises, steepness
 from harness.world.world import World
 
 RESOLUTION = 0.05  # [m], Nav2's default of its costmaps
@@ -95,13 +95,8 @@ def _impassable(ground: Heightfield, slope_limit: float, step_limit: float) -> M
 
     A step is what rises from a vertex to the next by more than `step_limit` above the steepest slope.
     """
-    blocked: Mask = steepness(averaged(ground, WINDOW), ground.cell) > math.tan(slope_limit)
-    highest = step_limit + ground.cell * math.tan(slope_limit)
-    for heights, mask in ((ground.heights, blocked), (ground.heights.T, blocked.T)):
-        steps = np.abs(np.diff(heights, axis=0)) > highest
-        mask[1:] |= steps
-        mask[:-1] |= steps
-    return blocked
+    steep = steepness(averaged(ground, WINDOW), ground.cell) > math.tan(slope_limit)
+    return np.asarray(steep | (rises(ground.heights) > step_limit + ground.cell * math.tan(slope_limit)))
 
 
 def _on_cells(

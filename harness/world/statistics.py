@@ -49,6 +49,16 @@ def steepness(heights: Field, cell: float) -> Field:
     return np.asarray(np.hypot(along_x, along_y))
 
 
+def rises(heights: Field) -> Field:
+    """Returns the largest difference of each vertex from those next to it along rows and columns."""
+    highest = np.zeros_like(heights)
+    for field, most in ((heights, highest), (heights.T, highest.T)):
+        steps = np.abs(np.diff(field, axis=0))
+        most[1:] = np.maximum(most[1:], steps)
+        most[:-1] = np.maximum(most[:-1], steps)
+    return highest
+
+
 def averaged(ground: Heightfield, window: float) -> Field:
     """Returns the heights of a ground [m], each the mean of the window [m] around it."""
     inset = reach(ground, window)
@@ -85,23 +95,22 @@ class RoughnessMap:
 
     Obstacles are not in it: it is about the ground. Near the edge of the map, where windows would
     leave it, the nearest value that there is stands.
+
+    Attributes:
+        squares: The mean square residual at each vertex of the ground [m^2].
     """
 
     def __init__(self, ground: Heightfield) -> None:
         inset = reach(ground, WINDOW)
         squares = box_means(residuals(ground, WINDOW) ** 2, inset)
-        self._squares = np.pad(squares, 2 * inset, mode="edge")
+        self.squares = np.pad(squares, 2 * inset, mode="edge")
         self._x, _, self._y, _ = ground.bounds()  # of the first vertex
         self._vertices_per_metre = 1.0 / ground.cell
 
-    def on_vertices(self) -> Field:
-        """Returns the mean square residual at each vertex of the ground [m^2]."""
-        return self._squares
-
     def mean_square(self, x: float, y: float) -> float:
         """Returns the mean square residual [m^2] at the vertex nearest to a point in the world [m]."""
-        rows, columns = self._squares.shape
+        rows, columns = self.squares.shape
         row = round((y - self._y) * self._vertices_per_metre)
         column = round((x - self._x) * self._vertices_per_metre)
         # A large rover's wheels leave the map before its origin comes near the edge.
-        return float(self._squares[min(max(row, 0), rows - 1), min(max(column, 0), columns - 1)])
+        return float(self.squares[min(max(row, 0), rows - 1), min(max(column, 0), columns - 1)])

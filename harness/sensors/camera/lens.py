@@ -32,10 +32,6 @@ class Lens(ABC):
     def focal(self) -> float:
         """Returns the focal length [pixels]."""
 
-    @abstractmethod
-    def directions(self) -> Doubles:
-        """Returns the unit direction of every pixel in the optical frame, shape (height, width, 3)."""
-
     @property
     def centre(self) -> tuple[float, float]:
         """Returns where the optical axis meets the image: column and row [pixels]."""
@@ -68,12 +64,6 @@ class Pinhole(Lens):
         """Returns the focal length [pixels]."""
         return 0.5 * self.width / math.tan(0.5 * self.fov)
 
-    def directions(self) -> Doubles:
-        """Returns the unit direction of every pixel, shape (height, width, 3)."""
-        x, y = self.offsets()
-        ahead = np.stack([x, y, np.ones_like(x)], axis=-1)
-        return np.asarray(ahead / np.linalg.norm(ahead, axis=-1, keepdims=True))
-
 
 @dataclass(frozen=True)
 class Equidistant(Lens):
@@ -89,7 +79,10 @@ class Equidistant(Lens):
         return self.width / self.fov
 
     def directions(self) -> Doubles:
-        """Returns the unit direction of every pixel, (height, width, 3); NaN beyond 180 degrees."""
+        """Returns every pixel's unit direction in the optical frame, (height, width, 3).
+
+        NaN beyond 180 degrees.
+        """
         x, y = self.offsets()
         theta = np.hypot(x, y)
         aside = np.sinc(theta / math.pi)  # sin(theta) / theta

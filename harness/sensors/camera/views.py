@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.sensors.camera.lens import Lens, Pinhole
+from harness.sensors.camera.lens import Equidistant, Lens
 
 Doubles = NDArray[np.float64]
 Pixels = NDArray[np.uint8]
@@ -48,13 +48,13 @@ class Assembly:
     def __init__(self, lens: Lens) -> None:
         self._shape = (lens.height, lens.width, 3)
         self._sources: NDArray[np.int64] | None = None
-        if isinstance(lens, Pinhole):
-            x, y = 0.5 * lens.width / lens.focal, 0.5 * lens.height / lens.focal
-            self.views: tuple[View, ...] = (View(FACES[0], -x, x, -y, y, lens.width, lens.height),)
-        else:
+        if isinstance(lens, Equidistant):
             self.views = self._cube(lens)
+        else:
+            x, y = 0.5 * lens.width / lens.focal, 0.5 * lens.height / lens.focal
+            self.views = (View(FACES[0], -x, x, -y, y, lens.width, lens.height),)
 
-    def _cube(self, lens: Lens) -> tuple[View, ...]:
+    def _cube(self, lens: Equidistant) -> tuple[View, ...]:
         """The parts of a cube's faces that the lens sees; notes where in them each pixel is."""
         directions = lens.directions().reshape(-1, 3)
         ahead = directions @ FACES[:, 2].T

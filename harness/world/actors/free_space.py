@@ -34,16 +34,6 @@ class FreeSpace:
                 return f"through hazard_{self._numbers[index]}", points[int(hit.argmax())]
         return None
 
-    def is_clear(self, start: tuple[float, float], end: tuple[float, float], radius: float) -> bool:
-        """Returns whether a body can walk straight from one point to another.
-
-        Args:
-            start: In the world [m].
-            end: In the world [m].
-            radius: Of the body [m].
-        """
-        return self.blocked(along((start, end)), radius) is None
-
     def walls_near(self, point: Points, within: float) -> list[Points]:
         """Returns the outlines of the hazards around a point, closer than some distance [m]."""
         low, high = self._boxes[:, :2] - within, self._boxes[:, 2:] + within

@@ -92,7 +92,6 @@ def _way_points(parent: Element, path: Path) -> tuple[tuple[Point, ...], tuple[f
 class Pedestrian:
     """One person, before there is a world."""
 
-    text: str  # what asks for the person, for messages
     name: str  # of the topic: /NAME_actor/pose
     options: ActorOptions  # speed, size and the like
     trajectory: Trajectory | None = None  # the way points of the walk; None if a walker chooses its own
@@ -135,9 +134,9 @@ def of_terrain(terrain: str, folders: Sequence[str] = ()) -> tuple[ActorSpec, ..
 def _people_of(spec: ActorSpec, folders: tuple[str, ...]) -> tuple[Pedestrian, ...]:
     text, name, options = spec.text, spec.name, spec.options
     if spec.walker:
-        return (Pedestrian(text, _checked(text, name), options, walker=spec.walker),)
+        return (Pedestrian(_checked(text, name), options, walker=spec.walker),)
     if spec.points:
-        return (Pedestrian(text, _checked(text, name), options, Trajectory(name, spec.points)),)
+        return (Pedestrian(_checked(text, name), options, Trajectory(name, spec.points)),)
     trajectories = read_trajectories(Path(spec.file), folders)
     if name and len(trajectories) > 1:
         raise UsageError(
@@ -145,7 +144,7 @@ def _people_of(spec: ActorSpec, folders: tuple[str, ...]) -> tuple[Pedestrian, .
         )
     names = [name] if name else _of_topics([one.name for one in trajectories])
     return tuple(
-        Pedestrian(text, _checked(text, short), options, one)
+        Pedestrian(_checked(text, short), options, one)
         for short, one in zip(names, trajectories, strict=True)
     )
 

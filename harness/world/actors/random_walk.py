@@ -8,7 +8,7 @@ import numpy as np
 from harness.base.errors import UsageError
 from harness.samples import Place
 from harness.spec.actor import ActorOptions
-from harness.world.actors.free_space import FreeSpace
+from harness.world.actors.free_space import FreeSpace, along
 from harness.world.actors.route import Route
 
 TRIES = 200
@@ -52,7 +52,9 @@ class RandomWalk:
 
     def _next(self, here: Point) -> Point:
         for point in self._draws():
-            if math.dist(point, here) >= SHORTEST and self._space.is_clear(here, point, self._radius):
+            if math.dist(point, here) < SHORTEST:
+                continue
+            if self._space.blocked(along((here, point)), self._radius) is None:
                 return point
         return self._points[-2] if len(self._points) > 1 else here  # the way that one came by is free
 

@@ -13,8 +13,8 @@ from harness.episode.episode import Episode
 from harness.gym.course import Course, Variation, draw_variation
 from harness.gym.driven_rover import SENSED, DrivenRover
 from harness.gym.options import Randomisation
-from harness.physics.physics import Physics
 from harness.physics.scene import SCRAPE_CONTACT
+from harness.physics.settling import settle
 from harness.samples import Imu, LaserScan, Odometry, Pose, Sample, TruthState, Twist
 from harness.sensors.depth import DepthOptions
 from harness.sensors.ranging import RangeReading
@@ -85,11 +85,11 @@ def test_where_it_stood_last_a_rover_settles_no_second_time_and_drives_as_it_did
     elsewhere = -2.0, 1.0, 2.0
     heavy, late = Variation(payload=3.0), Variation(latency=0.1)
     here = [(FREE, variation) for variation in (PLAIN, late, PLAIN, heavy, PLAIN)]
-    with patch.object(Physics, "settle", autospec=True, side_effect=Physics.settle) as settle:
+    with patch("harness.physics.physics.settle", side_effect=settle) as settling:
         counts, ends = [], []
         for start, variation in [(elsewhere, PLAIN), *here]:
             ends.append(driven(start, variation))
-            counts.append(settle.call_count)
+            counts.append(settling.call_count)
     assert counts == [1, 2, 2, 2, 3, 4]
     assert ends[1] == ends[2] == ends[3] == ends[5]
     assert ends[4] != ends[1] != ends[0]

@@ -39,7 +39,11 @@ def test_an_image_is_what_each_of_its_pixels_sees(lens: Lens, views: int) -> Non
     image = assembly.image([drawn(view) for view in assembly.views])
     assert image.shape == (lens.height, lens.width, 3)
     assert image.dtype == np.uint8
-    directions = lens.directions()
+    if isinstance(lens, Equidistant):
+        directions = lens.directions()
+    else:
+        ahead = np.stack([*lens.offsets(), np.ones((lens.height, lens.width))], axis=-1)
+        directions = ahead / np.linalg.norm(ahead, axis=-1, keepdims=True)
     seen = ~np.isnan(directions[..., 0])
     np.testing.assert_allclose(image[seen], shade(directions[seen]), atol=2.0)
     assert not image[~seen].any()

@@ -91,12 +91,8 @@ class Space(FreeSpace):
     def __init__(self, *, has_ways: bool = True) -> None:
         self.has_ways = has_ways
 
-    def blocked(self, *_: object) -> None:
-        """Nothing blocks."""
-
-    def is_clear(self, *_: object) -> bool:
-        """Tells what has been said of all ways."""
-        return self.has_ways
+    def blocked(self, points: np.ndarray, _: float) -> tuple[str, np.ndarray] | None:
+        return None if self.has_ways or len(points) == 1 else ("in the way", points[0])
 
 
 def test_who_has_nowhere_to_go_stays_or_goes_back() -> None:

@@ -58,8 +58,8 @@ def test_of_several_hazards_the_one_that_is_near_is_reported_and_seen() -> None:
 
 
 def test_a_leg_is_looked_at_all_along() -> None:
-    assert not space(WALL).is_clear((1.2, 1.6), (2.4, 0.4), 0.25)
-    assert space(WALL).is_clear((1.2, 1.6), (1.3, 2.4), 0.25)
+    assert space(WALL).blocked(along(((1.2, 1.6), (2.4, 0.4))), 0.25)
+    assert not space(WALL).blocked(along(((1.2, 1.6), (1.3, 2.4))), 0.25)
     points = along(((0.0, 0.0), (1.0, 0.0), (1.0, 0.25)))
     assert np.linalg.norm(np.diff(points, axis=0), axis=1).max() <= 0.1 + 1e-12
     assert [(1.0, 0.0) in map(tuple, points.tolist()), points[-1].tolist()] == [True, [1.0, 0.25]]
