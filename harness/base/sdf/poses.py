@@ -42,10 +42,12 @@ def _placed(text: str, count: int, owner: str) -> tuple[float, ...]:
     return values
 
 
-def transform(position: tuple[float, float, float], rotation: NDArray[np.float64]) -> Transform:
-    """Returns the 4x4 matrix of a position [m] and a rotation matrix."""
+def transform(
+    position: tuple[float, float, float] | NDArray[np.float64], rotation: NDArray[np.float64]
+) -> Transform:
+    """Returns the 4x4 matrix of a position [m] and a rotation matrix of nine elements."""
     matrix = np.eye(4)
-    matrix[:3, :3], matrix[:3, 3] = rotation, position
+    matrix[:3, :3], matrix[:3, 3] = rotation.reshape(3, 3), position
     return matrix
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.errors import UsageError, find_named
+from harness.base.sdf.poses import transform
 from harness.robots import FrameRow, RoverSpec
 from harness.robots.frames.tree import Edge, check_tree
 from harness.robots.measures import frame_name
@@ -95,7 +96,7 @@ class RoverFrames:
         """
         link, data = self._link(frame), self.data
         body = link.body
-        in_body = np.linalg.inv(homogeneous(data.xpos[body], data.xmat[body])) @ link.in_base
+        in_body = np.linalg.inv(transform(data.xpos[body], data.xmat[body])) @ link.in_base
         carrier = scene.body(prefix + self.model.body(body).name).id
         return BodyFrame(carrier, in_body[:3, 3], in_body[:3, :3])
 
@@ -148,16 +149,16 @@ def _link(
     row: FrameRow, parent: Link, model: mujoco.MjModel, data: mujoco.MjData, where: object
 ) -> Link:
     """The link of a row whose parent's is known."""
-    offset = homogeneous(row.xyz, _of_angles(row.rpy))
+    offset = transform(row.xyz, _of_angles(row.rpy))
     if row.body:
         bodies = {model.body(index).name: index for index in range(1, model.nbody)}
         body = find_named(f"{where}: body", row.body, bodies)
-        pose = homogeneous(data.xpos[body], data.xmat[body]) @ offset
+        pose = transform(data.xpos[body], data.xmat[body]) @ offset
     elif row.site:
         sites = {model.site(index).name: index for index in range(model.nsite)}
         site = find_named(f"{where}: site", row.site, sites)
         body = int(model.site_bodyid[site])
-        pose = homogeneous(data.site_xpos[site], data.site_xmat[site]) @ offset
+        pose = transform(data.site_xpos[site], data.site_xmat[site]) @ offset
     else:
         body, pose = parent.body, parent.in_base @ offset
     joint = _joint_between(row, parent.body, body, model, where)
@@ -210,11 +211,4 @@ def _of_angles(rpy: Vector3) -> Matrix:
     quaternion, matrix = np.empty(4), np.empty(9)
     mujoco.mju_euler2Quat(quaternion, np.array(rpy), "XYZ")
     mujoco.mju_quat2Mat(matrix, quaternion)
-    return matrix
-
-
-def homogeneous(translation: Vector3 | Matrix, rotation: Matrix) -> Matrix:
-    """Returns the matrix (4, 4) of a translation [m] and a rotation matrix of nine elements."""
-    matrix = np.eye(4)
-    matrix[:3, 3], matrix[:3, :3] = translation, rotation.reshape(3, 3)
     return matrix

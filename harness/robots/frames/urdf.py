@@ -12,7 +12,8 @@ from xml.etree import ElementTree as ET
 import mujoco
 import numpy as np
 
-from harness.robots.frames.rover_frames import SLIDE, Link, Matrix, RoverFrames, homogeneous
+from harness.base.sdf.poses import transform
+from harness.robots.frames.rover_frames import SLIDE, Link, Matrix, RoverFrames
 from harness.robots.model import SEEN_GROUP
 
 BOX, CYLINDER, SPHERE, CAPSULE, MESH = (
@@ -57,7 +58,7 @@ def _add_inertial(element: ET.Element, link: Link, frames: RoverFrames) -> None:
     model, data, body = frames.model, frames.data, link.body
     if not model.body_mass[body]:
         return
-    in_link = np.linalg.inv(link.in_base) @ homogeneous(data.xipos[body], data.ximat[body])
+    in_link = np.linalg.inv(link.in_base) @ transform(data.xipos[body], data.ximat[body])
     turn, centre = in_link[:3, :3], np.eye(4)
     centre[:3, 3] = in_link[:3, 3]
     inertia = turn @ np.diag(model.body_inertia[body]) @ turn.T
@@ -75,7 +76,7 @@ def _add_visuals(element: ET.Element, link: Link, frames: RoverFrames) -> None:
     model, data = frames.model, frames.data
     of_body = np.flatnonzero((model.geom_bodyid == link.body) & (model.geom_group == SEEN_GROUP))
     for geom in of_body.tolist():
-        geom_in_base = homogeneous(data.geom_xpos[geom], data.geom_xmat[geom])
+        geom_in_base = transform(data.geom_xpos[geom], data.geom_xmat[geom])
         geom_in_link = np.linalg.inv(link.in_base) @ geom_in_base
         for shape, attributes, shape_in_geom in _shapes(model, geom):
             visual = ET.SubElement(element, "visual")
@@ -99,10 +100,10 @@ def _shapes(model: mujoco.MjModel, geom: int) -> Iterator[Shape]:
     elif kind in (CYLINDER, CAPSULE):
         yield "cylinder", {"radius": text_of_numbers([x]), "length": text_of_numbers([2 * y])}, np.eye(4)
         for end in (-y, y) if kind == CAPSULE else ():
-            yield "sphere", {"radius": text_of_numbers([x])}, homogeneous((0.0, 0.0, end), np.eye(3))
+            yield "sphere", {"radius": text_of_numbers([x])}, transform((0.0, 0.0, end), np.eye(3))
     else:
         centre, half_size = np.split(model.geom_aabb[geom], 2)
-        yield "box", {"size": text_of_numbers(2 * half_size)}, homogeneous(centre, np.eye(3))
+        yield "box", {"size": text_of_numbers(2 * half_size)}, transform(centre, np.eye(3))
 
 
 def _mesh(model: mujoco.MjModel, mesh: int) -> Shape:
@@ -111,7 +112,7 @@ def _mesh(model: mujoco.MjModel, mesh: int) -> Shape:
     mujoco.mju_quat2Mat(rotation, model.mesh_quat[mesh])
     path = Path(bytes(model.paths[model.mesh_pathadr[mesh] :]).split(b"\0")[0].decode())
     attributes = {"filename": path.resolve().as_uri(), "scale": text_of_numbers(model.mesh_scale[mesh])}
-    mesh_in_file = homogeneous(model.mesh_pos[mesh], rotation)
+    mesh_in_file = transform(model.mesh_pos[mesh], rotation)
     return "mesh", attributes, np.asarray(np.linalg.inv(mesh_in_file))
 
 

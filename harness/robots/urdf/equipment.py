@@ -5,7 +5,6 @@ ellipsoids climb kerbs that cylinders do not, and yielding contacts keep a skid-
 """
 
 import re
-from dataclasses import dataclass, field
 from xml.etree import ElementTree as ET
 
 import mujoco
@@ -33,55 +32,6 @@ SIDE_JOINT = re.compile(r"(left|right)_?(front|middle|rear|back)?_?joint", re.IG
 IMU = re.compile(r"(^|_)imu(_|$)", re.IGNORECASE)
 
 
-@dataclass
-class Equipment:
-    """What was added to a model."""
-
-    # what nobody states, by the key of rover.yaml or the part of the model it is of
-    guesses: dict[str, str] = field(default_factory=dict)
-    lidar: str = ""  # the link that carries the lidar; empty if there is none
-    imu: str = ""  # the link that carries the IMU; empty if there is none
-    driven: tuple[str, ...] = ()  # the wheels with motors
-    steering_rate: float = STEERING_SPEED  # how fast the mean steered wheel turns [rad/s]
-    # what the URDF says of its controller, by the keys of rover.yaml
-    beliefs: dict[str, float] = field(default_factory=dict)
-
-
-def equip(spec: mujoco.MjSpec, robot: ET.Element, joints: Joints, mass: float) -> Equipment:
-    """Adds to a model what its URDF does not say.
-
-    Args:
-        spec: With a free root; is changed.
-        robot: The URDF.
-        joints: Its wheels and steering.
-        mass: Of the whole rover [kg].
-    """
-    option = spec.option
-    option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-    option.cone, option.timestep = mujoco.mjtCone.mjCONE_ELLIPTIC, TIMESTEP
-    option.gravity = [0.0, 0.0, -GRAVITY]
-    _turn(spec, joints.backwards)
-    for joint in map(spec.joint, joints.wheels):
-        if np.ptp(joint.range) > 0.0:  # it rolls on
-            joint.limited = mujoco.mjtLimited.mjLIMITED_FALSE
-    workshop = _Workshop(spec, robot, joints, mass)
-    workshop.fit_tyres()
-    workshop.fit_wheel_motors()
-    workshop.fit_steering()
-    equipment = workshop.equipment
-    for name, pattern in (("lidar", LIDAR), ("imu", IMU)):
-        # of several links that are called so the last, which others carry; of SDF the sensor's
-        links = [body.name for body in spec.bodies if pattern.search(body.name)]
-        stated = [body.name for body in spec.bodies if body.name == robot.get(name)]
-        if link := next(reversed(stated or links), ""):
-            setattr(equipment, name, link)
-            spec.body(link).add_site(name=name, group=UNSEEN_GROUP)
-        else:
-            place = "5 cm over the highest point" if name == "lidar" else "in the root link's origin"
-            equipment.guesses[name] = f"no link is called so; {place}"
-    return equipment
-
-
 def _turn(spec: mujoco.MjSpec, backwards: tuple[str, ...]) -> None:
     """Lets joints turn the other way, and those that mimic them or that they mimic as before."""
     for joint in map(spec.joint, backwards):
@@ -94,22 +44,34 @@ def _turn(spec: mujoco.MjSpec, backwards: tuple[str, ...]) -> None:
             tie.data[:5] *= np.multiply(of_mimic, of_mimicked)  # of the powers of what it mimics
 
 
-class _Workshop:
-    """Fits wheels and steering out, and notes what it guesses."""
+class Equipment:
+    """What a model is given that its URDF does not say.
+
+    Attributes:
+        guesses: What nobody states, by the key of rover.yaml or the part of the model it is of.
+        lidar, imu: The links that carry them; "" if there is none.
+        driven: The wheels with motors.
+        steering_rate: How fast the mean steered wheel turns [rad/s].
+        beliefs: What the URDF says of its controller, by the keys of rover.yaml.
+    """
 
     def __init__(self, spec: mujoco.MjSpec, robot: ET.Element, joints: Joints, mass: float) -> None:
         self._spec, self._joints, self._mass = spec, joints, mass
         self._limits = {joint.get("name", ""): joint.find("limit") for joint in robot.findall("joint")}
+        self.lidar = self.imu = ""
+        self.steering_rate, self.beliefs = STEERING_SPEED, _beliefs(robot)
+        self.guesses: dict[str, str] = {}
         stated = _stated(robot)
         driven = tuple(name for name in joints.wheels if name in stated)
-        self.equipment = Equipment(beliefs=_beliefs(robot), driven=driven or joints.wheels)
+        self.driven = driven or joints.wheels
         if stated and not driven:
             names = ", ".join(sorted(stated))
-            self.equipment.guesses["model: motors"] = (
+            self.guesses["model: motors"] = (
                 f"on all wheels, as none of those with one is a wheel: {names}"
             )
 
     def fit_tyres(self) -> None:
+        """Gives wheels and all else the friction and the contacts of such parts."""
         spec = self._spec
         wheels = {spec.joint(name).parent.name for name in self._joints.wheels}
         for geom in spec.geoms:
@@ -126,12 +88,13 @@ class _Workshop:
             if geom.type == mujoco.mjtGeom.mjGEOM_CYLINDER:
                 radius, half_width, _ = geom.size
                 geom.type, geom.size = mujoco.mjtGeom.mjGEOM_ELLIPSOID, [radius, radius, half_width]
-        self.equipment.guesses["model: tyres"] = (
+        self.guesses["model: tyres"] = (
             f"friction {GRIP:g} of wheels, {SCRAPING:g} of all else; cylinders as ellipsoids"
         )
 
     def fit_wheel_motors(self) -> None:
-        driven, guesses = self.equipment.driven, self.equipment.guesses
+        """Adds speed servos that turn the driven wheels."""
+        driven, guesses = self.driven, self.guesses
         for name in self._joints.wheels:
             radius = self._joints.radius[name]
             self._weigh_rotor(name, radius)
@@ -156,7 +119,7 @@ class _Workshop:
 
     def fit_steering(self) -> None:
         """Adds position servos that turn the wheels of a car that stands, or hold them straight."""
-        joints, equipment = self._joints, self.equipment
+        joints = self._joints
         for name in joints.steering + joints.held:
             radius = max(joints.radius.values())
             self._weigh_rotor(name, radius)
@@ -164,14 +127,14 @@ class _Workshop:
             limits = np.array(self._spec.joint(name).range).tolist()
             if not -np.pi / 2 < limits[0] < 0 < limits[1] < np.pi / 2:
                 limits = [-STEERING_LIMIT, STEERING_LIMIT]
-                equipment.guesses["model: steering limit"] = f"{STEERING_LIMIT:g} rad"
+                self.guesses["model: steering limit"] = f"{STEERING_LIMIT:g} rad"
             stiffness = effort / 0.1  # all of it 0.1 rad off
             self._motor(name, effort, limits).set_to_position(kp=stiffness, kv=0.1 * stiffness)
         rates = [self._limit(name, "velocity") for name in joints.steering]
         if rates and all(rates):
-            equipment.steering_rate = min(rates)
+            self.steering_rate = min(rates)
         elif joints.steering:
-            equipment.guesses["drive"] = f"steering_rate {STEERING_SPEED:g} rad/s"
+            self.guesses["drive"] = f"steering_rate {STEERING_SPEED:g} rad/s"
 
     def _weigh_rotor(self, name: str, radius: float) -> None:
         joint, share = self._spec.joint(name), self._mass / len(self._joints.wheels)
@@ -192,6 +155,40 @@ class _Workshop:
         except ValueError:
             return 0.0
         return value if 0 < value < 1e4 else 0.0
+
+
+def equip(spec: mujoco.MjSpec, robot: ET.Element, joints: Joints, mass: float) -> Equipment:
+    """Adds to a model what its URDF does not say.
+
+    Args:
+        spec: With a free root; is changed.
+        robot: The URDF.
+        joints: Its wheels and steering.
+        mass: Of the whole rover [kg].
+    """
+    option = spec.option
+    option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    option.cone, option.timestep = mujoco.mjtCone.mjCONE_ELLIPTIC, TIMESTEP
+    option.gravity = [0.0, 0.0, -GRAVITY]
+    _turn(spec, joints.backwards)
+    for joint in map(spec.joint, joints.wheels):
+        if np.ptp(joint.range) > 0.0:  # it rolls on
+            joint.limited = mujoco.mjtLimited.mjLIMITED_FALSE
+    equipment = Equipment(spec, robot, joints, mass)
+    equipment.fit_tyres()
+    equipment.fit_wheel_motors()
+    equipment.fit_steering()
+    for name, pattern in (("lidar", LIDAR), ("imu", IMU)):
+        # of several links that are called so the last, which others carry; of SDF the sensor's
+        links = [body.name for body in spec.bodies if pattern.search(body.name)]
+        stated = [body.name for body in spec.bodies if body.name == robot.get(name)]
+        if link := next(reversed(stated or links), ""):
+            setattr(equipment, name, link)
+            spec.body(link).add_site(name=name, group=UNSEEN_GROUP)
+        else:
+            place = "5 cm over the highest point" if name == "lidar" else "in the root link's origin"
+            equipment.guesses[name] = f"no link is called so; {place}"
+    return equipment
 
 
 def _stated(robot: ET.Element) -> set[str]:
