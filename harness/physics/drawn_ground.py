@@ -5,7 +5,6 @@ if it were rigid, but for a window around the place: there its vertices lie belo
 heightfield of fine cells covers them, ABOVE what else would be the same surface along the window's edge.
 """
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
@@ -22,6 +21,7 @@ from harness.physics.world_geoms import (
     TERRAIN,
     UNTOUCHED,
     VISUAL_GROUP,
+    heights_of,
     soil_ground,
 )
 from harness.world.heightfield import Field
@@ -83,12 +83,11 @@ class DrawnGround:
         self._model = model = scenes[0].model
         if not self.leaves_ruts:
             return scenes
-        (terrain, self._terrain), (self._geom, self._ruts) = (
-            (model.geom(name).id, int(model.geom_dataid[model.geom(name).id]))
-            for name in (TERRAIN, RUTS)
-        )
+        terrain, self._geom = (model.geom(name).id for name in (TERRAIN, RUTS))
+        self._terrain, self._ruts = (int(model.geom_dataid[geom]) for geom in (terrain, self._geom))
         model.geom_pos[terrain, 2], model.hfield_size[self._terrain, 2] = self._base, self._relief
-        self._data(self._terrain)[:] = self._shares(self._world.ground.heights)
+        self._shown, self._drawn = heights_of(model, terrain), heights_of(model, self._geom)
+        self._shown[:] = self._shares(self._world.ground.heights)
         return scenes
 
     def smooth(self) -> None:
@@ -121,7 +120,7 @@ class DrawnGround:
             self._window = window
             middle = self.corner[::-1] + self.cell * self._parts * (first + 0.5 * self._span)
             self._model.geom_pos[self._geom, :2] = middle[::-1]
-            terrain = self._data(self._terrain)
+            terrain = self._shown
             covered = _slices(first + 1, self._span - 1)
             kept, terrain[covered] = terrain[covered].copy(), 0.0
             upload(self._terrain)
@@ -131,7 +130,7 @@ class DrawnGround:
         for across in (ruts, ruts.T):
             across[1:-1] = 0.25 * across[:-2] + 0.5 * across[1:-1] + 0.25 * across[2:]
             across[[0, -1]] = 0.0  # along the edge there are none
-        self._data(self._ruts)[:] = self._shares(self._fresh[window] + ruts)
+        self._drawn[:] = self._shares(self._fresh[window] + ruts)
         upload(self._ruts)
 
     def _add(self, spec: mujoco.MjSpec) -> None:
@@ -158,13 +157,6 @@ class DrawnGround:
             group=VISUAL_GROUP,
             **UNTOUCHED,
         )
-
-    def _data(self, field: int) -> NDArray[np.float32]:
-        """Heights of a heightfield of the model, from 0 to 1, a view."""
-        model = self._model
-        shape = int(model.hfield_nrow[field]), int(model.hfield_ncol[field])
-        heights: NDArray[np.float32] = model.hfield_data[model.hfield_adr[field] :][: math.prod(shape)]
-        return heights.reshape(shape)
 
     def _shares(self, heights: Field) -> Field:
         return (heights - self._base) / self._relief

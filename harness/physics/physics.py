@@ -21,8 +21,8 @@ from harness.physics.health import check_health, check_place
 from harness.physics.passed_over import obstacles_of
 from harness.physics.rover import Rover, State
 from harness.physics.scene import Scene
-from harness.physics.settling import settle
 from harness.physics.soil import soil_bed
+from harness.physics.start import settle
 from harness.physics.stepping import Span
 from harness.physics.stepping_record import SPAN
 from harness.physics.world_geoms import soil_ground

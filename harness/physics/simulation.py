@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from harness.physics.physics import Physics
 from harness.physics.scene import Scene
-from harness.physics.settling import settle
+from harness.physics.start import settle
 from harness.samples import Quaternion, Vector3
 from rover_metrics.core import rotation
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from harness.base.errors import UsageError
 from harness.physics.scene import Scene
-from harness.physics.world_geoms import TERRAIN, soil_ground
+from harness.physics.world_geoms import TERRAIN, heights_of, soil_ground
 from harness.robots.model import COLLIDING_GROUP, reach
 
 if TYPE_CHECKING:
@@ -30,8 +30,7 @@ def soil_bed(scenes: Sequence[Scene], data: mujoco.MjData) -> "Bed | None":
     from harness.soil.bed import Bed, Ground  # noqa: PLC0415 - with kernels that only soil needs
 
     geom, ground = model.geom(TERRAIN).id, soil_ground(world)
-    start, (rows, columns) = int(model.hfield_adr[model.geom_dataid[geom]]), ground.heights.shape
-    field = model.hfield_data[start:][: rows * columns].reshape(rows, columns)
+    field = heights_of(model, geom)
     relief, base = float(model.hfield_size[model.geom_dataid[geom], 2]), float(model.geom_pos[geom, 2])
     field[:] = (ground.heights - base) / relief  # the corners had to hold the extremes
     (half_x, half_y), (x, y) = ground.half_size, ground.middle

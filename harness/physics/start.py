@@ -1,18 +1,27 @@
-"""Where a rover is set down, and whether it can be there."""
+"""Where a rover is set down, how it comes to rest there, and whether it can be there."""
 
 import math
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
 from harness.base.errors import UsageError
+from harness.base.sim_time import NANOSECONDS, TICK_NS
+from harness.physics.health import check_health
+from harness.physics.rover import Rover
 from harness.physics.scene import Scene
 from harness.physics.world_geoms import OBSTACLE_GROUP
 from harness.world.world import Start
 
+if TYPE_CHECKING:
+    from harness.physics.physics import Physics
+
 DROP_HEIGHT = 0.01  # [m] over the highest ground below the footprint
+LIMIT_NS = 5 * NANOSECONDS  # to come to rest
+FREE_NS = 1 * NANOSECONDS  # of that the wheels may roll; held ones would keep rockers from following
 MOST_SLID = 0.5  # [m] from where it was set down to where it came to rest
 MOST_TILTED = math.radians(60.0)  # at rest: beyond it, it lies on its side
 
@@ -28,6 +37,40 @@ def spawn_pose(scene: Scene, start: Start) -> NDArray[np.float64]:
     highest = ground.heights_at(x + cos * ahead - sin * left, y + sin * ahead + cos * left).max()
     height = highest + scene.rover.rest_height + DROP_HEIGHT
     return np.array([x, y, height, math.cos(yaw / 2), 0.0, 0.0, math.sin(yaw / 2)])
+
+
+def settle(physics: "Physics", starts: Sequence[tuple[Rover, Start]]) -> None:
+    """Lets rovers of a world down onto the ground, so that no drop is measured; no time passes.
+
+    Each of them comes to rest as if it were alone: who rests waits for the slower ones as it is, and so
+    do all others.
+
+    Args:
+        physics: Of all rovers of the world.
+        starts: Where those that are let down are put.
+
+    Raises:
+        Diverged: One of them cannot stand there.
+    """
+    data, falling = physics.data, [rover for rover, _ in starts]
+    waiting = [(rover, rover.state()) for rover in physics.rovers if rover not in falling]
+    for rover, start in starts:
+        rover.pose[:] = spawn_pose(rover.scene, start)
+    for tick in range(LIMIT_NS // TICK_NS):
+        for rover, _ in starts:
+            rover.parking.hold(tick >= FREE_NS // TICK_NS)
+        mujoco.mj_step(physics.model, data, physics.steps_per_tick)
+        check_health(data, physics.rovers, physics.time_ns)
+        for rover, state in waiting:
+            rover.restore(state)
+        for rover in [rover for rover in falling if rover.rests(data)]:
+            falling.remove(rover)
+            waiting.append((rover, rover.state()))
+        if not falling:
+            break
+    for rover, _ in starts:
+        rover.parking.hold(True)
+    data.time = 0.0
 
 
 def check_room(scene: Scene, fleet: Sequence[Scene] = ()) -> None:

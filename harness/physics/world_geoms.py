@@ -11,6 +11,7 @@ from functools import lru_cache
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
 from harness.robots.model import SEEN_GROUP
 from harness.soil.soils import SOIL_CONTACT
@@ -88,6 +89,14 @@ def add_skins(spec: mujoco.MjSpec, world: World) -> None:
             group=OBSTACLE_GROUP,
             **UNTOUCHED,
         )
+
+
+def heights_of(model: mujoco.MjModel, geom: int) -> NDArray[np.float32]:
+    """Returns heights of a geom's heightfield, from 0 to 1: a view, shape (rows, columns)."""
+    field = model.geom_dataid[geom]
+    shape = int(model.hfield_nrow[field]), int(model.hfield_ncol[field])
+    heights: NDArray[np.float32] = model.hfield_data[model.hfield_adr[field] :][: math.prod(shape)]
+    return heights.reshape(shape)
 
 
 def soil_ground(world: World) -> Heightfield:

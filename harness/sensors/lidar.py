@@ -33,7 +33,6 @@ class Lidar:
         self._site = model.site(site).id
         self.surroundings, self._model = Surroundings(model, others), model
         self._fan, self._pose = self._bundle(), np.empty((4, 3))
-        self._passed: tuple[mujoco.MjData | None, int] = None, 0
 
     def _bundle(self) -> RayBundle:
         beams = directions(self.spec.angles)
@@ -62,9 +61,7 @@ class Lidar:
             mujoco.mj_kinematics(self._model, data)
             pose[0], pose[1:] = data.site_xpos[self._site], data.site_xmat[self._site].reshape(3, 3)
             return self.coded(self._fan.cast(data, pose))
-        if self._passed[0] is not data:
-            self._passed = data, self._fan.passed_at(self._site, self._model, data)
-        cast_rays_of(self._passed[1])
+        cast_rays_of(self._fan.passed_at(self._site, self._model, data))
         return self.coded(self._fan.distances)
 
     def coded(self, distances: NDArray[np.float64]) -> NDArray[np.float32]:

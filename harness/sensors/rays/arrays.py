@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.physics.world_geoms import SOIL_ROOM, TERRAIN
+from harness.physics.world_geoms import SOIL_ROOM, TERRAIN, heights_of
 from harness.sensors.rays.obstacle_kernel import BOX, CAPSULE, CYLINDER, ELLIPSOID
 from harness.sensors.rays.triangle_kernel import build_tree
 
@@ -32,9 +32,8 @@ def heightfield_arrays(model: mujoco.MjModel) -> tuple[Floats, Floats, Integers,
     """
     geom = model.geom(TERRAIN).id
     field = model.geom_dataid[geom]
-    rows, cols = int(model.hfield_nrow[field]), int(model.hfield_ncol[field])
-    start = int(model.hfield_adr[field])
-    heights = model.hfield_data[start:][: rows * cols].reshape(rows, cols)
+    heights = heights_of(model, geom)
+    rows, cols = heights.shape
     half_x, half_y, relief, thickness = model.hfield_size[field]
     frame = np.array(
         [

@@ -14,7 +14,7 @@ from harness.gym.course import Course, Variation, draw_variation
 from harness.gym.driven_rover import SENSED, DrivenRover
 from harness.gym.options import Randomisation
 from harness.physics.scene import SCRAPE_CONTACT
-from harness.physics.settling import settle
+from harness.physics.start import settle
 from harness.samples import Imu, LaserScan, Odometry, Pose, Sample, TruthState, Twist
 from harness.sensors.depth import DepthOptions
 from harness.sensors.ranging import RangeReading
