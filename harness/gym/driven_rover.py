@@ -13,7 +13,7 @@ from harness.gym.course import Course, Variation
 from harness.physics.base_controller import base_controller
 from harness.physics.motor_power import MotorPower
 from harness.physics.scene import HAZARD_CONTACT, SCRAPE_CONTACT
-from harness.physics.truth.soil import SoilWheels
+from harness.physics.truth.wheels import SoilWheels
 from harness.samples import Imu, LaserScan, Odometry, Pose, Sample, Twist
 from harness.sensors.base import EpisodeParts
 from harness.sensors.ranging import RangeReading

@@ -11,8 +11,7 @@ from functools import cached_property
 from harness.base.sim_time import TICK
 from harness.physics.simulation import Simulation
 from harness.physics.truth.contact_events import ContactEvents
-from harness.physics.truth.soil import SoilWheels
-from harness.physics.truth.wheels import Wheels
+from harness.physics.truth.wheels import SoilWheels, Wheels
 from harness.samples import ContactKind, Truth, TruthState
 from harness.world.statistics import RoughnessMap
 from rover_metrics.core import rotation

@@ -1,4 +1,4 @@
-"""How the wheels of a rover move over the ground: where they are and how much they slip."""
+"""How the wheels of a rover move: where they are, how much they slip, what they do in soil."""
 
 import math
 from typing import NamedTuple
@@ -9,8 +9,12 @@ from numpy.typing import NDArray
 
 from harness.base.compiled import kernel
 from harness.physics.simulation import Simulation
+from harness.samples import SoilState
 
 SLIP_SPEED = 0.05  # [m/s]: a wheel whose rim and centre are both slower does not slip, it stands
+TURNS = 0.05  # [m/s] of the rims, on average, from which on a rover wants to go on
+ADVANCE = 0.1  # share of that speed below which its wheels do not get on
+LASTING = 20  # states of 20 Hz, one after the other
 
 
 class WheelMotion(NamedTuple):
@@ -60,6 +64,45 @@ class Wheels:
             moves = abs(wheel_speed) >= SLIP_SPEED or abs(ground_speed) >= SLIP_SPEED
             wheels.append(WheelMotion(x, y, slip_ratio(wheel_speed, ground_speed), moves))
         return wheels
+
+
+class SoilWheels:
+    """What soil does to the wheels of a simulation's rover, in the order of its wheel joints."""
+
+    def __init__(self, simulation: Simulation) -> None:
+        bed = simulation.physics.bed
+        if bed is None:
+            raise ValueError("rigid ground has no soil")
+        self._felt = bed.felt[bed.wheels_of(simulation.scene.root)]
+        self._bodies = [wheel.body for wheel in bed.wheels if wheel.root == simulation.scene.root]
+        self._data = simulation.data
+        self._spinning = 0
+
+    def state(self) -> SoilState:
+        """Returns the present state; to be called with each state of the truth, 20 times a second.
+
+        A rover is stuck when its rims have turned for a second while its wheels stayed, turning on the
+        spot being no standing: what counts is how fast the hubs move over the ground.
+        """
+        sinkage, ahead, left, _, rim, along, across, rut = self._felt.T
+        hubs = np.hypot(along, across)
+        turning = float(np.abs(rim).mean())
+        held = turning >= TURNS and float(hubs.mean()) < ADVANCE * turning
+        self._spinning = self._spinning + 1 if held else 0
+        x, y, _ = self._data.xpos[self._bodies].T.tolist()
+        angles = np.where(hubs < 0.1 * TURNS, 0.0, np.arctan2(across, np.abs(along)))
+        return SoilState(
+            sinkage=tuple(np.maximum(sinkage, 0.0).tolist()),
+            slip_angle=tuple(angles.tolist()),
+            pull=tuple(ahead.tolist()),
+            side_force=tuple(left.tolist()),
+            stuck=self._spinning >= LASTING,
+            ruts=tuple(zip(x, y, np.maximum(sinkage, rut).tolist(), strict=True)),
+        )
+
+    def begin_anew(self) -> None:
+        """Takes note that the rover was put elsewhere."""
+        self._spinning = 0
 
 
 @kernel(

@@ -18,14 +18,15 @@ from harness.base.sdf.reader import color_of, is_true, numbers, text_of
 from harness.robots.frames.urdf import add_material, add_origin, text_of_numbers
 from harness.robots.urdf.equipment import IMU, LIDAR
 from harness.robots.urdf.sdf_elements import (
+    WATER,
     angle_seen,
     dynamics_of,
     frame_of,
     limit_of,
+    lump_of,
     mimic_of,
     shape_of,
 )
-from harness.robots.urdf.sdf_inertia import WATER, lump_of
 from harness.robots.urdf.sdf_model import TWO_AXES, Joint, Model, read_model
 
 SENSORS = {  # how their links are called, and the types that they have

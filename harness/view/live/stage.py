@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 
 from harness.episode.assembly import scenery
 from harness.physics.scene import build_scenes
-from harness.physics.sky import HAZE
-from harness.physics.stage import FIELD_OF_VIEW, SUN_ELEVATION, Quality, dress
+from harness.physics.stage import FIELD_OF_VIEW, HAZE, SUN_ELEVATION, Quality, dress
 from harness.robots.lidar import LidarSpec, directions
 from harness.samples import Place
 from harness.spec.run import Run
