@@ -1,5 +1,7 @@
 """Nodes of other client libraries in lock-step: nothing lost, the same bytes as with a node of rclpy."""
 
+from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -41,14 +43,23 @@ def test_an_answer_from_a_thread_of_its_own_repeats_only_where_time_waits_for_th
 
 
 def test_an_output_that_does_not_come_ends_the_run_and_names_who_should_have_sent_it(
-    clients: Clients, run: Run, capfd: pytest.CaptureFixture[str]
+    clients: Clients, run: Run, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    spin_until = import_module("harness.ros.context").spin_until
+
+    def hurried(executor: object, condition: Callable[[], bool], patience: float) -> bool:
+        """Where the publisher has been found, who hears the input would have been, too."""
+        is_last = condition.__name__ == "_input_is_heard"
+        return bool(spin_until(executor, condition, 0.5 if is_last else patience))
+
     with clients.running(clients.python()):
         csv, manifest = run(
             *DRIVE, "--wait-for-topic", "/cmd_vel,timeout=0.5", "--fault", "scan:dropout", expected=0
         )
         assert len(csv.splitlines()) == 5  # what was not asked need not be answered
-        assert main([*DRIVE, "--wait-for-topic", "/cmd_vel,newer-than=/joint_states"]) == 2
+        with monkeypatch.context() as patch:
+            patch.setattr("harness.ros.effect.spin_until", hurried)
+            assert main([*DRIVE, "--wait-for-topic", "/cmd_vel,newer-than=/joint_states"]) == 2
     assert manifest["commands"]["taken"] == 0
     silent, more = clients.python(THREADED)
     with clients.running(([*silent[:2], "silent", *silent[2:]], more)):

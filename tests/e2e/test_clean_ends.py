@@ -304,7 +304,7 @@ def test_a_run_whose_node_is_killed_ends_in_time_with_its_name(
     pytest.importorskip("rclpy", reason="needs ROS 2: pip install -e '.[ros]'")
     remote = import_module("harness.ros.remote")
     assert remote.ANSWER_PATIENCE == 30.0, "docs/driving.md states it"
-    monkeypatch.setattr(remote, "ANSWER_PATIENCE", patience := 6.0)
+    monkeypatch.setattr(remote, "ANSWER_PATIENCE", patience := 3.0)
     words = ["--ros-args", "-p", "use_sim_time:=true", "-p", f"log_dir:={tmp_path / 'node'}"]
     run = ["--no-metrics", "--wait-for", "/metrics_node", "--log-dir", str(tmp_path / "run")]
     ended, summary = list[float](), tmp_path / "summary.json"
