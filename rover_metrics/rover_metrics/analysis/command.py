@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from rover_metrics.analysis.logs.header import Skipped, UnreadableLog, read_header
-from rover_metrics.analysis.logs.log import TimeAxis
+from rover_metrics.analysis.logs.log import Log, TimeAxis
 from rover_metrics.analysis.logs.reading import read_log
 from rover_metrics.analysis.metric import ALL, METRICS, choose
 from rover_metrics.analysis.options import parse
@@ -18,9 +18,9 @@ from rover_metrics.analysis.outcome import analyse
 from rover_metrics.analysis.output import page_of, prepare_folder, save_all
 from rover_metrics.analysis.pairing import Pairs, pair
 from rover_metrics.analysis.program import different, hand_over, inside, read_each
-from rover_metrics.analysis.study import Member, Options, Study, labels
+from rover_metrics.analysis.study import Options, Study, labels
 from rover_metrics.analysis.tables import sheets
-from rover_metrics.errors import RoverMetricsError, counted, printable
+from rover_metrics.errors import RoverMetricsError, counted
 from rover_metrics.log.files import write_whole
 from rover_metrics.sheet.sheet import Sheet
 
@@ -30,7 +30,7 @@ SOCIAL = "social_log"  # how the names of logs begin that `social` reads
 def analyze(options: argparse.Namespace) -> int:
     """Does what the options ask for; returns 0 if every log was analysed, 1 if any was skipped."""
     study, skipped, code = _read(options)
-    if not study.members:
+    if not study.logs:
         return code
     if options.plots or options.save_outliers or options.csv or options.latex:
         prepare_folder(options.output)  # before the work, which may take a while
@@ -58,22 +58,18 @@ def _read(options: argparse.Namespace) -> tuple[Study, list[Skipped], int]:
     both = (inside(named, "*.csv", without=SOCIAL) for named in (options.logs, options.versus))
     paths = [different("analyze", named) for named in both]
     metrics = choose(options.metrics, _headers([*paths[0], *paths[1]]))
-    members: list[Member] = []
+    logs: list[Log] = []
     skipped: list[Skipped] = []
     code = 0
     for group, of_group in zip(groups, paths, strict=False):
         read = partial(read_log, metrics=metrics, gap=options.gap)
-        logs, unreadable, worst = read_each("analyze", of_group, read)
+        readable, unreadable, worst = read_each("analyze", of_group, read)
         code = max(code, worst)
-        members += [Member(log, "", group) for log in logs]
+        logs += [replace(log, group=group) for log in readable]
         skipped += unreadable
-    names = labels([member.log for member in members])
-    named = (replace(member, label=printable(name)) for member, name in zip(members, names, strict=True))
+    logs = [replace(log, label=name) for log, name in zip(logs, labels(logs), strict=True)]
     known = {
-        column
-        for member in members
-        for column, values in member.log.columns.items()
-        if np.isfinite(values).any()
+        column for log in logs for column, values in log.columns.items() if np.isfinite(values).any()
     }
     chosen = Options(
         metrics=tuple(each for each in metrics if each.code in METRICS or each.column in known),
@@ -85,7 +81,7 @@ def _read(options: argparse.Namespace) -> tuple[Study, list[Skipped], int]:
         plots=tuple(options.plots),
         axis=TimeAxis(options.normalize, options.fixed_interval),
     )
-    return Study(tuple(named), groups, chosen, _pairs(options, members, skipped)), skipped, code
+    return Study(tuple(logs), groups, chosen, _pairs(options, logs, skipped)), skipped, code
 
 
 def _headers(paths: Sequence[Path]) -> Iterator[list[str]]:
@@ -95,13 +91,11 @@ def _headers(paths: Sequence[Path]) -> Iterator[list[str]]:
             yield read_header(path)
 
 
-def _pairs(options: argparse.Namespace, members: Sequence[Member], skipped: Sequence[Skipped]) -> Pairs:
+def _pairs(options: argparse.Namespace, logs: Sequence[Log], skipped: Sequence[Skipped]) -> Pairs:
     if not options.versus or options.unit == "episode":
         return ()
     if skipped and options.pair_by == "order":
         skip = f"{skipped[0].path} was skipped; leave out its partner too"
         raise RoverMetricsError(f"--pair-by order: {skip}")
-    first, second = (
-        [member.log for member in members if member.group == group] for group in options.group_names
-    )
+    first, second = ([log for log in logs if log.group == group] for group in options.group_names)
     return pair(first, second, options.pair_by)

@@ -14,7 +14,7 @@ from rover_metrics.analysis.statistics.comparison import Comparison, compare, de
 from rover_metrics.analysis.statistics.correlation import Correlation, combine, correlate
 from rover_metrics.analysis.statistics.series import rate_per_metre
 from rover_metrics.analysis.statistics.summary import Summary, summarise, summarise_independent
-from rover_metrics.analysis.study import Member, Study, Unit
+from rover_metrics.analysis.study import Study, Unit
 from rover_metrics.errors import printable
 from rover_metrics.extended.traffic_columns import TrafficColumns
 from rover_metrics.log.files import json_safe
@@ -69,7 +69,7 @@ def analyse(study: Study) -> Result:
     """Returns everything there is to say in numbers."""
     options = study.options
     comparisons = _comparisons(study)
-    logs = tuple(_log_result(study, member) for member in study.members)
+    logs = tuple(_log_result(study, log) for log in study.logs)
     return Result(
         confidence=options.confidence,
         outliers_removed=options.remove_outliers,
@@ -85,14 +85,14 @@ def analyse(study: Study) -> Result:
     )
 
 
-def _log_result(study: Study, member: Member) -> LogResult:
-    log, options = member.log, study.options
+def _log_result(study: Study, log: Log) -> LogResult:
+    options = study.options
     metrics = [metric for metric in options.metrics if log.has(metric)]
     ratios = {metric.code: rate_per_metre(log, metric) for metric in metrics}
     return LogResult(
-        label=member.label,
+        label=log.label,
         path=str(log.path),
-        group=member.group,
+        group=log.group,
         rows=len(log),
         duration=log.duration,
         episodes=len(log.starts),

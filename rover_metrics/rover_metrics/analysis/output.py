@@ -164,11 +164,11 @@ def _record(result: Result, values: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _outliers(study: Study) -> Iterator[dict[str, Field]]:
-    for member in study.members:
+    for log in study.logs:
         for metric in study.options.metrics:
-            if member.log.has(metric):
-                series = metric_series(member.log, metric)
-                for row in np.flatnonzero(study.outliers(member.log, metric)):
-                    stamp, value = float(member.log.stamps[row]), round(float(series.values[row]), 6)
-                    where = (member.label, str(member.log.path), stamp)
+            if log.has(metric):
+                series = metric_series(log, metric)
+                for row in np.flatnonzero(study.outliers(log, metric)):
+                    stamp, value = float(log.stamps[row]), round(float(series.values[row]), 6)
+                    where = (log.label, str(log.path), stamp)
                     yield dict(zip(OUTLIER, (*where, metric.code, value, metric.unit), strict=True))

@@ -83,33 +83,24 @@ class Options:
 
 
 @dataclass(frozen=True, eq=False)
-class Member:
-    """A log of a study: its short name, which is unique, and its group."""
-
-    log: Log
-    label: str
-    group: str
-
-
-@dataclass(frozen=True, eq=False)
 class Study:
     """Logs, in one group or in two that are compared, and how to look at them.
 
     Pairs are places of logs that belong together, in the first group and in the second.
     """
 
-    members: tuple[Member, ...]
+    logs: tuple[Log, ...]
     groups: tuple[str, ...]
     options: Options
     pairs: Pairs = ()
 
-    def with_metric(self, metric: Metric) -> list[Member]:
+    def with_metric(self, metric: Metric) -> list[Log]:
         """Returns the logs that have the columns of a metric."""
-        return [member for member in self.members if member.log.has(metric)]
+        return [log for log in self.logs if log.has(metric)]
 
     def bounds(self, metric: Metric) -> dict[str, list[float]]:
         """Returns the values of the thresholds that bound a metric, by name: those that its logs had."""
-        had = [member.log.thresholds or DEFAULT_THRESHOLDS for member in self.with_metric(metric)]
+        had = [log.thresholds or DEFAULT_THRESHOLDS for log in self.with_metric(metric)]
         return {name: sorted({getattr(each, name) for each in had}) for name in metric.thresholds}
 
     def outliers(self, log: Log, metric: Metric) -> NDArray[np.bool_]:
@@ -121,11 +112,11 @@ class Study:
         series = metric_series(log, metric)
         return series.without(self.outliers(log, metric)) if self.options.remove_outliers else series
 
-    def episodes(self, member: Member, metric: Metric) -> Iterator[tuple[Floats, Floats]]:
+    def episodes(self, log: Log, metric: Metric) -> Iterator[tuple[Floats, Floats]]:
         """Yields positions on the time axis and values of each episode of a log."""
-        values = self.series(member.log, metric).values
-        for rows in member.log.episodes:
-            yield self.options.axis.place(member.log.stamps[rows], values[rows])
+        values = self.series(log, metric).values
+        for rows in log.episodes:
+            yield self.options.axis.place(log.stamps[rows], values[rows])
 
     def observations(self, metric: Metric, group: str) -> Floats:
         """Returns one mean per log (or episode) of a group, where there is one."""
@@ -148,9 +139,9 @@ class Study:
     def _means(self, metric: Metric, group: str) -> Floats:
         """Returns one mean per log (or episode) of a group, NaN where there is none."""
         means: list[float] = []
-        for member in self.members:
-            if member.group == group:
-                units = member.log.episodes if self.options.unit == "episode" else [slice(None)]
-                series = self.series(member.log, metric) if member.log.has(metric) else None
+        for log in self.logs:
+            if log.group == group:
+                units = log.episodes if self.options.unit == "episode" else [slice(None)]
+                series = self.series(log, metric) if log.has(metric) else None
                 means += [np.nan if series is None else series.mean(rows) for rows in units]
         return np.array(means, dtype=np.float64)

@@ -12,7 +12,7 @@ from rover_metrics.analysis.outcome import analyse
 from rover_metrics.analysis.statistics.comparison import compare, holm
 from rover_metrics.analysis.statistics.correlation import combine, correlate
 from rover_metrics.analysis.statistics.summary import summarise_independent
-from rover_metrics.analysis.study import Member, Options, Study
+from rover_metrics.analysis.study import Options, Study
 
 MakeLog = Callable[..., Log]
 CODES = ("DT", "CV", "VORT", "RT", "OC")
@@ -22,7 +22,7 @@ CODES = ("DT", "CV", "VORT", "RT", "OC")
 def study(make_log: MakeLog) -> Study:
     """Two groups of three; the last has no clearance, each has two episodes and an outlier."""
     rng = np.random.default_rng(0)
-    members = []
+    logs = []
     for number, rows in enumerate((40, 60, 50, 44, 70, 30)):
         speed = rng.random(rows) + 0.1 * number
         speed[5] = 30.0
@@ -35,10 +35,10 @@ def study(make_log: MakeLog) -> Study:
         if number == 5:
             del columns["Obstacle Clearance"]
         stamps = np.arange(rows) + np.where(np.arange(rows) < 20, 0.0, 100.0)
-        log = replace(make_log(columns, stamps), findings=(f"odd {number}",))
-        members.append(Member(log, f"log {number}", "ab"[number // 3]))
+        log, group = make_log(columns, stamps), "ab"[number // 3]
+        logs.append(replace(log, findings=(f"odd {number}",), label=f"log {number}", group=group))
     metrics = tuple(METRICS[code] for code in CODES)
-    return Study(tuple(members), ("a", "b"), Options(metrics, 0.9, plots=("correlation",)))
+    return Study(tuple(logs), ("a", "b"), Options(metrics, 0.9, plots=("correlation",)))
 
 
 def test_groups_are_summed_up_and_compared_by_the_means_of_their_logs(study: Study) -> None:
@@ -69,7 +69,7 @@ def test_groups_are_summed_up_and_compared_by_the_means_of_their_logs(study: Stu
     sizes = {item.code: item.hedges_g or 0.0 for item in result.comparisons}
     order = sorted(CODES, key=lambda code: -abs(sizes[code]))
     assert [item.code for item in ranked] == order != sorted(CODES, key=lambda code: -sizes[code])
-    alone = replace(study, groups=("a",), members=study.members[:3])
+    alone = replace(study, groups=("a",), logs=study.logs[:3])
     assert analyse(alone).comparisons == ()
     paired = replace(study, pairs=((0, 2), (1, 0), (2, 1))).compared(METRICS["OC"])
     of_logs = [log.metrics["OC"].mean for log in result.logs[:-1]]  # the last has none, nor its partner
@@ -81,14 +81,15 @@ def test_groups_are_summed_up_and_compared_by_the_means_of_their_logs(study: Stu
 
 def test_of_all_columns_constants_and_those_of_health_are_not_tested(make_log: MakeLog) -> None:
     """They would make the adjusted p of the others larger: here four metrics, of which one is tested."""
-    members = []
+    logs = []
     for number in range(8):
         speed = np.full(20, 0.1 * (number // 4) + 0.01 * number)
         columns = {"Current Velocity": speed, "Total Collisions": np.zeros(20)}
         columns |= {"Scan Rate [Hz]": 20.0 + speed, "Slip": np.full(20, 0.5)}
-        members.append(Member(make_log(columns, np.arange(20.0)), f"log {number}", "ab"[number // 4]))
+        group, log = "ab"[number // 4], make_log(columns, np.arange(20.0))
+        logs.append(replace(log, label=f"log {number}", group=group))
     metrics = (METRICS["CV"], METRICS["TC"], other_metric("Scan Rate [Hz]"), other_metric("Slip"))
-    named = Study(tuple(members), ("a", "b"), Options(metrics))
+    named = Study(tuple(logs), ("a", "b"), Options(metrics))
     found = analyse(replace(named, options=Options(metrics, ranked=True)))
     assert {item.code: item.p_holm for item in found.comparisons} == {
         "CV": pytest.approx(2 / 70),  # of the ways to split eight logs
@@ -103,7 +104,7 @@ def test_of_all_columns_constants_and_those_of_health_are_not_tested(make_log: M
 def test_an_episode_is_an_observation_on_request(study: Study) -> None:
     by_episode = replace(study, options=replace(study.options, unit="episode"))
     observed = by_episode.observations(METRICS["CV"], "b")
-    speeds = [member.log.columns["Current Velocity"].astype(float) for member in study.members[3:]]
+    speeds = [log.columns["Current Velocity"].astype(float) for log in study.logs[3:]]
     expected = [part.mean() for speed in speeds for part in (speed[:20], speed[20:])]
     assert observed == pytest.approx(expected)
     assert study.observations(METRICS["CV"], "b") == pytest.approx([s.mean() for s in speeds])
@@ -119,7 +120,7 @@ def test_pairs_of_metrics_are_correlated(study: Study, monkeypatch: pytest.Monke
     assert ("DT", "CV") in pairs
     assert ("VORT", "OC") in pairs
     by_log = [{(c.first, c.second): c for c in log.correlations} for log in result.logs]
-    log = study.members[0].log
+    log = study.logs[0]
     clearance = log.columns["Obstacle Clearance"].astype(float)
     direct = correlate("CV", "OC", log.columns["Current Velocity"].astype(float), clearance)
     assert direct is not None
@@ -134,5 +135,5 @@ def test_pairs_of_metrics_are_correlated(study: Study, monkeypatch: pytest.Monke
     plain = analyse(replace(study, options=Options(study.options.metrics)))
     assert {plain.correlations, *(log.correlations for log in plain.logs)} == {()}
     monkeypatch.setattr("rover_metrics.analysis.outcome._MOST_CORRELATED", 20)  # of a long log some rows
-    first = analyse(replace(study, members=study.members[:1])).logs[0]
+    first = analyse(replace(study, logs=study.logs[:1])).logs[0]
     assert {(c.first, c.second): c.n for c in first.correlations}["CV", "RT"] == 20

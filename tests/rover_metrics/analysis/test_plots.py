@@ -21,7 +21,7 @@ from rover_metrics.analysis.plots.correlation import draw_correlation
 from rover_metrics.analysis.plots.style import STYLE, legend_columns, look, lower_end, save
 from rover_metrics.analysis.plots.time_series import MOST_POINTS, draw_time_series, thinned
 from rover_metrics.analysis.statistics.correlation import Correlation
-from rover_metrics.analysis.study import Member, Options, Study
+from rover_metrics.analysis.study import Options, Study
 from rover_metrics.core.thresholds import Thresholds
 from tests.support.figures import described
 from tests.support.snapshots import check_snapshot
@@ -42,43 +42,42 @@ def study(make_log: MakeLog) -> Study:
         return make_log(columns)
 
     logs = [log(100, 0.3), log(200, 1.0), log(150, 2.0), log(120, 2.5)]
-    members = [Member(log, f"log {i}", "ab"[i // 2]) for i, log in enumerate(logs)]
+    named = [replace(log, label=f"log {i}", group="ab"[i // 2]) for i, log in enumerate(logs)]
     metrics = tuple(METRICS[code] for code in ("TC", "OC", "RT"))
-    return Study(tuple(members), ("a", "b"), Options(metrics, plots=("correlation",)))
+    return Study(tuple(named), ("a", "b"), Options(metrics, plots=("correlation",)))
 
 
 def one_column(make_log: MakeLog, name: str, *logs: Floats, groups: str = "") -> Study:
     """A study of one column, a log each; in groups as their letters say."""
     metric = next((m for m in METRICS.values() if m.column == name), None) or other_metric(name)
     letters = groups or "a" * len(logs)
-    members = [Member(make_log({name: log}), f"log {i}", letters[i]) for i, log in enumerate(logs)]
-    return Study(tuple(members), tuple(sorted(set(letters))), Options((metric,), plots=("correlation",)))
+    made = enumerate(make_log({name: log}) for log in logs)
+    named = [replace(log, label=f"log {i}", group=letters[i]) for i, log in made]
+    return Study(tuple(named), tuple(sorted(set(letters))), Options((metric,), plots=("correlation",)))
 
 
 def studies(study: Study, make_log: MakeLog) -> Iterator[tuple[str, Study]]:
     """Yields what is drawn in all ways, by what it shows."""
-    alone = replace(
-        study, members=tuple(replace(m, group="all") for m in study.members), groups=("all",)
-    )
+    alone = replace(study, logs=tuple(replace(log, group="all") for log in study.logs), groups=("all",))
     clearance, rows = Options((METRICS["OC"],)), TimeAxis("none")
     jolt = np.where(np.arange(1000) == 500, 427.0, 10.0)
     levels = [np.array([mean - 0.01, mean, mean + 0.01]) for mean in (9.80, 9.85, 9.95, 10.0)]
     slip, shaking = np.tile([-0.5, 0.25, 0.0], 30), "IMU Acceleration Magnitude"
     had = Thresholds(collision_threshold=0.3, min_safe_clearance=0.9)
-    first, second = study.members[:2]
-    of_had = (replace(first, log=replace(first.log, thresholds=had)), second)
+    first, second = study.logs[:2]
+    of_had = (replace(first, thresholds=had), second)
     yield "two groups", study
     yield "one group", replace(alone, options=replace(study.options, axis=rows))
     yield "pairs", replace(study, pairs=((0, 1), (1, 0)))
     for count, width in ((2, 50.0), (1, 0.01)):
         means = replace(clearance, axis=TimeAxis("fixed_interval", width))
         name = f"{count} logs, means of {width} s"
-        yield name, replace(alone, members=alone.members[:count], options=means)
+        yield name, replace(alone, logs=alone.logs[:count], options=means)
     for count in (12, 13, 16):
         many = tuple(replace(first, label=f"log {i}", group="all") for i in range(count))
-        yield f"{count} logs", replace(alone, members=many, options=clearance)
+        yield f"{count} logs", replace(alone, logs=many, options=clearance)
     yield "a metric that no log has", replace(study, options=Options((METRICS["VR"],)))
-    own = replace(study, members=of_had, groups=("a",), options=clearance)
+    own = replace(study, logs=of_had, groups=("a",), options=clearance)
     yield "logs with thresholds of their own", own
     yield "always rough", one_column(make_log, "Is Rough Terrain", np.ones(50))
     yield "an episode of one row", one_column(make_log, "Distance Traveled", np.array([0, 1, 2, 0]))
@@ -90,12 +89,12 @@ def studies(study: Study, make_log: MakeLog) -> Iterator[tuple[str, Study]]:
     four = one_column(make_log, "Slip", slip, slip, slip - 1, slip - 2, groups="aabb")
     yield "negative values in groups", four
     nothing = {"Total Collisions": np.ones(9), "Obstacle Clearance": np.full(9, np.nan)}
-    members = tuple(Member(make_log(nothing), name, name) for name in "ab")
-    yield "no value", Study(members, ("a", "b"), Options(tuple(METRICS[code] for code in ("TC", "OC"))))
+    empty = tuple(replace(make_log(nothing), label=name, group=name) for name in "ab")
+    yield "no value", Study(empty, ("a", "b"), Options(tuple(METRICS[code] for code in ("TC", "OC"))))
     columns = {f"c{i}": np.random.default_rng(i).random(20) for i in range(18)}
     titled = (replace(other_metric("c0"), title="x" * 80), *map(other_metric, list(columns)[1:]))
-    member = Member(make_log(columns), "x", "all")
-    yield "18 metrics", Study((member,), ("all",), Options(titled, plots=("correlation",)))
+    log = replace(make_log(columns), label="x", group="all")
+    yield "18 metrics", Study((log,), ("all",), Options(titled, plots=("correlation",)))
 
 
 def test_figures_are_as_somebody_has_checked(study: Study, make_log: MakeLog) -> None:
@@ -185,10 +184,10 @@ def test_a_legend_stands_between_the_axes_and_the_edge_of_the_figure(
     for names, columns in (([], 1), (["abc"] * 9, 8), (["x" * 100, "a"], 1), (["x" * 11] * 9, 5)):
         assert legend_columns(names) == columns
     monkeypatch.setattr(mpl, "__version_info__", version)
-    log = study.members[0].log
-    members = tuple(Member(log, f"a log with a long name, {number}", "all") for number in range(logs))
+    names = [f"a log with a long name, {number}" for number in range(logs)]
+    named = tuple(replace(study.logs[0], label=name, group="all") for name in names)
     with mpl.rc_context(STYLE):
-        figure = draw_time_series(Study(members, ("all",), study.options), METRICS["OC"])
+        figure = draw_time_series(Study(named, ("all",), study.options), METRICS["OC"])
         assert figure is not None
         figure.draw_without_rendering()
     legend = figure.legends[0].get_window_extent()
@@ -202,7 +201,7 @@ def test_a_legend_stands_between_the_axes_and_the_edge_of_the_figure(
 
 def test_a_dollar_is_a_dollar(study: Study, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Figure, "savefig", lambda *_, **__: None)
-    first = replace(study.members[0], label="$x$", group="$a$")
+    first = replace(study.logs[0], label="$x$", group="$a$")
     alone = Study((first,), ("$a$",), study.options)
     for figure in (
         draw_time_series(alone, METRICS["OC"]),

@@ -32,6 +32,8 @@ class Log:
     findings: tuple[str, ...] = ()  # what was odd about the file
     thresholds: Thresholds | None = None  # at the end of its session, if its record has them
     arguments: Mapping[str, Any] = field(default_factory=dict)  # of the harness's run, by name
+    label: str = ""  # short, unique in a study
+    group: str = ""  # of a study
 
     def __len__(self) -> int:
         return len(self.stamps)

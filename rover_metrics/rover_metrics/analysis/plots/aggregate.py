@@ -45,7 +45,7 @@ def _grid(study: Study) -> Floats:
     axis = study.options.axis
     if axis.name == "percentage":
         return np.arange(0.0, 100.0 + _PERCENT_STEP / 2, _PERCENT_STEP)
-    longest = max(float(np.ptp(m.log.stamps[rows])) for m in study.members for rows in m.log.episodes)
+    longest = max(float(np.ptp(log.stamps[rows])) for log in study.logs for rows in log.episodes)
     step = axis.interval if axis.name == "fixed_interval" else max(1.0, longest / _STEPS)
     step = max(step, longest / _MOST_STEPS)
     return np.arange(0.0, max(longest, step) + step / 2, step)
@@ -79,9 +79,9 @@ def _curves(study: Study, metric: Metric, group: str, grid: Floats) -> Floats:
     """Returns the episodes of a group on the grid, one per row."""
     curves = [
         on_grid(x, y, grid)
-        for member in study.with_metric(metric)
-        if member.group == group
-        for x, y in study.episodes(member, metric)
+        for log in study.with_metric(metric)
+        if log.group == group
+        for x, y in study.episodes(log, metric)
     ]
     return np.array(curves).reshape(-1, grid.size)
 

@@ -98,10 +98,10 @@ def _limits(axes: Axes, groups: Sequence[Floats]) -> tuple[float, float]:
 
 def _draw_logs(axes: Axes, study: Study, metric: Metric) -> None:
     shown: list[float] = []
-    for place, member in enumerate(study.members):
-        if not member.log.has(metric):
+    for place, log in enumerate(study.logs):
+        if not log.has(metric):
             continue
-        values, weights = study.series(member.log, metric).finite()
+        values, weights = study.series(log, metric).finite()
         colour = styling.look(place)["color"]
         if values.size and metric.kind is Kind.LEVEL:
             _draw_box(axes, place, values, colour)
@@ -109,9 +109,9 @@ def _draw_logs(axes: Axes, study: Study, metric: Metric) -> None:
         elif values.size:
             shown.append(float(np.average(values, weights=weights)))
             axes.plot(place, shown[-1], "o", color=colour, clip_on=False, zorder=3)
-    ticks = range(0, len(study.members), -(-len(study.members) // _MOST_TICKS))
+    ticks = range(0, len(study.logs), -(-len(study.logs) // _MOST_TICKS))
     axes.set_xticks(ticks, [str(place + 1) for place in ticks])
-    axes.set_xlim(-0.6, len(study.members) - 0.4)
+    axes.set_xlim(-0.6, len(study.logs) - 0.4)
     if not shown:
         styling.say_that_nothing_is_there(axes)
         return
@@ -135,7 +135,7 @@ def _draw_box(axes: Axes, place: int, values: Floats, colour: str) -> None:
 
 
 def _name_logs(figure: Figure, study: Study) -> None:
-    names = [f"{place + 1}: {member.label}" for place, member in enumerate(study.members)]
+    names = [f"{place + 1}: {log.label}" for place, log in enumerate(study.logs)]
     if len(names) > _MOST_TICKS:
         names = [*names[: _MOST_TICKS - 1], "and so on"]
     per_line = max(1, int(_LINE / (max(map(len, names)) + 4)))

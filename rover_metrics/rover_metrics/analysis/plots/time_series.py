@@ -11,10 +11,10 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rover_metrics.analysis.logs.log import Floats, TimeAxis
+from rover_metrics.analysis.logs.log import Floats, Log, TimeAxis
 from rover_metrics.analysis.metric import Kind, Metric
 from rover_metrics.analysis.plots import style as styling
-from rover_metrics.analysis.study import Member, Study
+from rover_metrics.analysis.study import Study
 from rover_metrics.errors import counted
 
 MOST_POINTS = 4000  # two a pixel at 200 dpi
@@ -32,15 +32,15 @@ def draw_time_series(study: Study, metric: Metric) -> Figure | None:
     """Draws a metric of all logs over time; None if no log has a value."""
     figure = Figure(figsize=(styling.WIDTH, 3.6), layout="constrained")
     axes = figure.add_subplot()
-    members = study.with_metric(metric)
-    show_rows = metric.kind is Kind.LEVEL and len(members) <= _MOST_WITH_ROWS
+    logs = study.with_metric(metric)
+    show_rows = metric.kind is Kind.LEVEL and len(logs) <= _MOST_WITH_ROWS
     lowest = _lowest_rows(study, metric)
     drawn: list[Floats] = [np.array([y]) for _, y in lowest.values()]
-    for member in members:
-        style = _style(study, member, axes, lowest)
-        if member.label in lowest:
-            axes.scatter(*lowest[member.label], marker="v", color=style["color"], **_MARK)
-        for x, y in study.episodes(member, metric):
+    for log in logs:
+        style = _style(study, log, axes, lowest)
+        if log.label in lowest:
+            axes.scatter(*lowest[log.label], marker="v", color=style["color"], **_MARK)
+        for x, y in study.episodes(log, metric):
             at, mean = smoothed(x, y, *_smoothing(metric))
             if show_rows:
                 axes.plot(*thinned(x, y), color=style["color"], alpha=0.3, linewidth=0.6, zorder=2)
@@ -64,15 +64,15 @@ def draw_time_series(study: Study, metric: Metric) -> Figure | None:
 
 def _lowest_rows(study: Study, metric: Metric) -> dict[str, tuple[float, float]]:
     """Returns where each of several logs is lowest, by its label: a running median hides that."""
-    members = study.with_metric(metric)
-    if metric.kind is not Kind.LEVEL or len(members) < 2:
+    logs = study.with_metric(metric)
+    if metric.kind is not Kind.LEVEL or len(logs) < 2:
         return {}
     lowest = {}
-    for member in members:
-        x, y = map(np.concatenate, zip(*study.episodes(member, metric), strict=True))
+    for log in logs:
+        x, y = map(np.concatenate, zip(*study.episodes(log, metric), strict=True))
         if np.isfinite(y).any():
             row = np.nanargmin(y)
-            lowest[member.label] = float(x[row]), float(y[row])
+            lowest[log.label] = float(x[row]), float(y[row])
     return lowest
 
 
@@ -95,15 +95,15 @@ def _limit(axes: Axes, metric: Metric, values: Floats, bounds: Mapping[str, Sequ
 
 
 def _style(
-    study: Study, member: Member, axes: Axes, lowest: Mapping[str, tuple[float, float]]
+    study: Study, log: Log, axes: Axes, lowest: Mapping[str, tuple[float, float]]
 ) -> dict[str, Any]:
     """Returns look and name of a log's curve; of many logs, those of their group, named once."""
-    if len(study.groups) == 1 and len(study.members) <= _MOST_NAMED:
-        name, alike = member.label, [member]
-        style = styling.look(study.members.index(member))
+    if len(study.groups) == 1 and len(study.logs) <= _MOST_NAMED:
+        name, alike = log.label, [log]
+        style = styling.look(study.logs.index(log))
     else:
-        name, alike = member.group, [each for each in study.members if each.group == member.group]
-        style = styling.look(study.groups.index(member.group)) | {"linewidth": 0.9}
+        name, alike = log.group, [each for each in study.logs if each.group == log.group]
+        style = styling.look(study.groups.index(log.group)) | {"linewidth": 0.9}
     least = [lowest[each.label][1] for each in alike if each.label in lowest]
     label = f"{name}, lowest {min(least):.4g}" if least else name
     return style | {"label": None if label in axes.get_legend_handles_labels()[1] else label}
