@@ -11,7 +11,7 @@ from rover_metrics.core.thresholds import Thresholds
 from rover_metrics.health.live_view import LiveView, Status
 from rover_metrics.health.reception import Reception
 from rover_metrics.session import MetricsSession, Remark
-from rover_metrics.topics import sources_of
+from rover_metrics.topics import SENSORS, sources_of
 
 METRICS = Topic("rover/metrics", "diagnostic_msgs/msg/DiagnosticArray")
 STATUS, PAIR = "diagnostic_msgs/msg/DiagnosticStatus", "diagnostic_msgs/msg/KeyValue"
@@ -31,7 +31,7 @@ class Diagnostics:
         self._view, self._reception = LiveView(), Reception(lambda _: None)
         self._sources = {source.name: source for source in sources_of(session)}
         for name, source in self._sources.items():
-            self._reception.listen(space + name, may_be_missing=source.is_truth)
+            self._reception.listen(space + name, may_be_missing=source not in SENSORS)
 
     def arrived(self, name: str, stamp_ns: int, remark: Remark | None) -> None:
         """Counts a message.

@@ -28,7 +28,7 @@ except ImportError as error:
     raise missing_ros(error, is_program=__name__ == "__main__") from None
 
 from rover_metrics.extended.settings import Settings, check_name
-from rover_metrics.extended.traffic_columns import POSE, SCAN, Topic
+from rover_metrics.extended.traffic_columns import POSE, SCAN
 from rover_metrics.health.live_view import LiveView, Status
 from rover_metrics.health.reception import LOST
 from rover_metrics.health.rejections import NO_POSE
@@ -221,13 +221,9 @@ class MetricsNode(GuardedNode):
         for each in self._listening.values():
             each.hold(messages)
 
-    def _reported_lost(self) -> dict[Topic, int]:
+    def _reported_lost(self) -> dict[str, int]:
         remarks = self.reception.remarks
-        return {
-            source.topic: remarks[topic][LOST]
-            for source, topic in self.topics.items()
-            if source.topic is not None
-        }
+        return {source.name: remarks[topic][LOST] for source, topic in self.topics.items()}
 
     def _each_second(self) -> None:
         self.periodic_logging()
@@ -248,9 +244,9 @@ class MetricsNode(GuardedNode):
         if self.received[topic] % self.settings.debug_interval:
             return
         m, tell = self.metrics, self.get_logger().info
-        if source.topic is SCAN:
+        if source.name == SCAN:
             tell(f"LIDAR: clearance {m.clearance:.4f} m, total collisions {m.total_collisions}")
-        elif source.topic is POSE:
+        elif source.name == POSE:
             tell(f"Position update: distance {m.last_step:.4f} m, total {m.total_distance:.4f} m")
 
     def _use_parameters(self, parameters: Sequence[Parameter]) -> SetParametersResult:

@@ -17,7 +17,6 @@ from rover_metrics.core.rotation import Quaternion, Vector3
 from rover_metrics.core.thresholds import DEFAULT_THRESHOLDS, Thresholds
 from rover_metrics.extended.metrics import ExtendedMetrics
 from rover_metrics.extended.settings import ExtendedSettings
-from rover_metrics.extended.traffic_columns import Topic
 from rover_metrics.health import rejections
 from rover_metrics.timing import NANOSECONDS
 
@@ -149,7 +148,7 @@ class MetricsSession:
             self.extended.energy.add(stamp_ns, voltage, current)
         return None
 
-    def row(self, now_ns: int, reported_lost: Mapping[Topic, int] = MappingProxyType({})) -> Row:
+    def row(self, now_ns: int, reported_lost: Mapping[str, int] = MappingProxyType({})) -> Row:
         """Returns the row at a ROS time [ns]; the middleware reports what it has lost, by topic."""
         if self.extended is None:
             return self.metrics.row(now_ns // NANOSECONDS)

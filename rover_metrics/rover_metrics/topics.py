@@ -9,7 +9,7 @@ from dataclasses import KW_ONLY, dataclass
 from typing import Any
 
 from rover_metrics.core.rotation import Quaternion, Vector3
-from rover_metrics.extended.traffic_columns import IMU, ODOMETRY, POSE, SCAN, Topic
+from rover_metrics.extended.traffic_columns import IMU, ODOMETRY, POSE, SCAN
 from rover_metrics.health.rejections import NO_TIME
 from rover_metrics.session import MetricsSession, Remark
 from rover_metrics.timing import NANOSECONDS
@@ -26,11 +26,9 @@ class Source:
     name: str  # as it is in the root namespace
     message_type: str  # in full, e.g. "sensor_msgs/msg/Imu"
     take: Callable[[MetricsSession, Message, int], Remark | None]
-    topic: Topic | None = None  # as the columns of its traffic know it; None if they do not
     _: KW_ONLY
     best_effort: bool = False  # only the newest message matters, so that old ones are not queued
     has_stamp: bool = True  # its messages have a header
-    is_truth: bool = False  # for the extended columns; many robots do not publish it
     also: tuple[str, ...] = ()  # types that say the same, which recordings may have instead
 
 
@@ -98,13 +96,12 @@ def sources_of(session: MetricsSession) -> tuple[Source, ...]:
 
 
 SENSORS = (
-    Source(SCAN.name, "sensor_msgs/msg/LaserScan", _scan, SCAN),
-    Source(IMU.name, "sensor_msgs/msg/Imu", _imu, IMU),
+    Source(SCAN, "sensor_msgs/msg/LaserScan", _scan),
+    Source(IMU, "sensor_msgs/msg/Imu", _imu),
     Source(
-        POSE.name,
+        POSE,
         "geometry_msgs/msg/PoseArray",
         _pose,
-        POSE,
         best_effort=True,
         also=(
             "geometry_msgs/msg/PoseStamped",
@@ -113,32 +110,29 @@ SENSORS = (
         ),
     ),
     Source(
-        ODOMETRY.name,
+        ODOMETRY,
         "nav_msgs/msg/Odometry",
         lambda session, odometry, stamp_ns: session.take_odometry(stamp_ns, _velocity(odometry)),
-        ODOMETRY,
     ),
 )
+# For the extended columns; many robots do not publish these, and they are not missed.
 TRUTH = (
     Source(
         "/odom_ground_truth",
         "nav_msgs/msg/Odometry",
         lambda session, odometry, _: session.take_true_velocity(_velocity(odometry)),
-        is_truth=True,
     ),
     Source(
         "/rover/truth/contact",
         "std_msgs/msg/Bool",
         lambda session, contact, _: session.take_contact(touches=contact.data),
         has_stamp=False,
-        is_truth=True,
     ),
     Source(
         "/rover/truth/traversal",
         "std_msgs/msg/Float64MultiArray",
         _traversal,
         has_stamp=False,
-        is_truth=True,
     ),
 )
 ENERGY = (
@@ -148,7 +142,6 @@ ENERGY = (
         lambda session, battery, stamp_ns: session.take_battery(
             stamp_ns, battery.voltage, battery.current
         ),
-        is_truth=True,
     ),
 )
 CLOCK = Source(

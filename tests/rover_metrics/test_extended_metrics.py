@@ -16,7 +16,7 @@ from rover_metrics.errors import ParameterError
 from rover_metrics.extended.footprint import Footprint, LidarPose
 from rover_metrics.extended.metrics import EXTENDED_HEADER
 from rover_metrics.extended.settings import DEFAULT_EXTENDED, ExtendedSettings
-from rover_metrics.extended.traffic_columns import IMU, ODOMETRY, POSE, SCAN
+from rover_metrics.extended.traffic_columns import IMU, POSE, SCAN
 from rover_metrics.session import MetricsSession, Remark
 
 GRAVITY = 9.80665  # m/s^2, ISO 80000-3
@@ -126,7 +126,7 @@ def drive(seed: int, feed: Feed) -> Iterator[tuple[History, Cells]]:
                 first, step = (0.0, math.pi / 2) if rng.random() < 0.8 else (0.3, -0.8)
                 feed.scan(t, *ranges, first=first, step=step)
                 angles = first + step * np.arange(4)
-                history.note(SCAN.title, t, (ranges.astype(np.float32), angles))
+                history.note("Scan", t, (ranges.astype(np.float32), angles))
             elif kind == "imu":
                 at_threshold = rng.random() < 0.1
                 a = np.array((9.0, 12.0, 0.0)) if at_threshold else rng.normal((0.0, 0.0, 10.0), 5.0)
@@ -134,17 +134,17 @@ def drive(seed: int, feed: Feed) -> Iterator[tuple[History, Cells]]:
                 q = rng.normal((0.0, 0.0, 0.0, 3.0))
                 known = rng.random() < 0.8
                 feed.imu(t, tuple(a), tuple(q / np.linalg.norm(q)) if known else None)
-                history.note(IMU.title, t, (a, Rotation.from_quat(q) if known else None))
+                history.note("IMU", t, (a, Rotation.from_quat(q) if known else None))
             elif kind == "pose":
                 jump = 0.4 if rng.random() < 0.1 else 0.0
                 position = position + rng.normal((0.1, 0.05, 0.02), 0.05) + jump
                 shown = position * (math.nan if rng.random() < 0.05 else 1.0)
                 feed.pose(t, tuple(shown))
-                history.note(POSE.title, t, shown)
+                history.note("Pose", t, shown)
             elif kind == "odometry":
                 v = rng.normal(0.0, 0.4, 3) * (math.inf if rng.random() < 0.05 else 1.0)
                 feed.odometry(t, *v)
-                history.note(ODOMETRY.title, t, v)
+                history.note("Odometry", t, v)
             elif kind == "contact":
                 touches = bool(rng.random() < 0.2)
                 feed.contact(touches=touches)

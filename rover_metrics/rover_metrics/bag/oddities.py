@@ -46,23 +46,23 @@ class Oddities:
             if remark.left_out:
                 return
             self._counted[topic, remark.finding] += 1
-        if source.topic is IMU:
+        if source.name == IMU:
             self._imu, self._samples = topic, self._samples + 1
             self._accelerations += math.hypot(*vector(parsed.linear_acceleration))
             self._rates += math.hypot(*vector(parsed.angular_velocity))
-        elif source.topic is ODOMETRY:
+        elif source.name == ODOMETRY:
             stamp = stamp_ns(parsed)
             if 0 < stamp - self._latest <= LONGEST_STEP:
                 speed = math.hypot(*vector(parsed.twist.twist.linear))
                 self._odometry = topic
                 self._way += speed * (stamp - self._latest) / NANOSECONDS
             self._latest = stamp
-        elif source.topic is POSE:
+        elif source.name == POSE:
             self._has_poses = True
         elif source.message_type == BATTERY and math.isfinite(parsed.voltage * parsed.current):
             self._battery, self._states = topic, self._states + 1
             self._powers -= parsed.voltage * parsed.current
-        elif source.topic is SCAN and abs(parsed.angle_increment) * len(parsed.ranges) > MOST_ANGLES:
+        elif source.name == SCAN and abs(parsed.angle_increment) * len(parsed.ranges) > MOST_ANGLES:
             self._counted[topic, "angles of more than a turn, as if in degrees"] += 1
 
     def notes(self, metrics: TraversalMetrics) -> list[str]:

@@ -17,7 +17,7 @@ from rover_metrics.extended.further import FURTHER, Columns
 from rover_metrics.extended.imu_columns import ImuColumns
 from rover_metrics.extended.scan_columns import ScanColumns
 from rover_metrics.extended.settings import ExtendedSettings
-from rover_metrics.extended.traffic_columns import IMU, ODOMETRY, POSE, SCAN, Topic, TrafficColumns
+from rover_metrics.extended.traffic_columns import IMU, ODOMETRY, POSE, SCAN, TrafficColumns
 from rover_metrics.extended.travel_columns import TravelColumns
 from rover_metrics.extended.truth_columns import WHEELS, TruthColumns, truth_columns
 from rover_metrics.plugins import misfit
@@ -130,7 +130,7 @@ class ExtendedMetrics:
             for each in self._further:
                 each.add_odometry(stamp_ns, velocity)
 
-    def row(self, now_ns: int, reported_lost: Mapping[Topic, int]) -> Row:
+    def row(self, now_ns: int, reported_lost: Mapping[str, int]) -> Row:
         """Returns the row of the session so far, and of what there was since the row before.
 
         `reported_lost` are the messages that the middleware says it has lost.

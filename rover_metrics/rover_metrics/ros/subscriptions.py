@@ -80,7 +80,7 @@ class Listening:
         self.topic: str = node.resolve_topic_name(self._name)
         wished = BEST_EFFORT if source.best_effort else RELIABLE
         parameter, reliability = declare_reliability(node, self.topic, wished)
-        reception.listen(self.topic, may_be_missing=source.is_truth)
+        reception.listen(self.topic, may_be_missing=source not in SENSORS)
         self._qos = keep_last(pose_queue if source.best_effort else QUEUE, reliability)
         self._type = kind = _MESSAGES[source.message_type]
 
