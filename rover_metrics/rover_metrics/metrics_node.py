@@ -41,7 +41,6 @@ from rover_metrics.topics import Message, Source, sources_of, stamp_ns
 if TYPE_CHECKING:
     from rover_metrics.core.columns import Row
 
-LOG_PERIOD = 1.0  # seconds of ROS time
 KEEPS_ORDER = "handles everything, its rows included, in the order of its arrival"
 HOLDS = "; {} messages of each topic and {} of /clock may wait"
 LISTENS_ANEW = ", for it listens anew"
@@ -108,7 +107,7 @@ class MetricsNode(GuardedNode):
         self.record.begin(self.log.path)
         self._view = LiveView()
         self.publisher = MetricsPublisher(self, self._tell, enabled=self.settings.publish_metrics)
-        self.timer = RowTimer(self, LOG_PERIOD, self._each_second, self._tell, self.settings.stale_after)
+        self.timer = RowTimer(self, self._each_second, self._tell, self.settings.stale_after)
         self.add_on_set_parameters_callback(self._use_parameters)
         self.create_service(Trigger, "~/received", self._report_received)
         self.create_service(SetBool, "~/lock_step", self._set_lock_step)

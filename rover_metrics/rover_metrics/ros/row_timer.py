@@ -1,4 +1,4 @@
-"""Fires once per period of ROS time, whatever happens to the clock, and reports what happens to it."""
+"""Fires once per second of ROS time, whatever happens to the clock, and reports what happens to it."""
 
 import time
 from collections.abc import Callable
@@ -12,7 +12,7 @@ from rover_metrics.errors import is_worth_a_line
 from rover_metrics.health.watches import SilenceWatch
 from rover_metrics.timing import NANOSECONDS, RowTimes
 
-LOOK_PERIOD = 1.0  # seconds of steady time between two looks at the clock
+PERIOD = 1.0  # [s] of ROS time between two rows, and of steady time between two looks at the clock
 
 
 class RowTimer:
@@ -20,7 +20,6 @@ class RowTimer:
 
     Args:
         node: Whose clock it is.
-        period: Time from row to row [s].
         fire: Is called when a row is due.
         tell: Is given a line for the user.
 
@@ -32,7 +31,6 @@ class RowTimer:
     def __init__(
         self,
         node: Node,
-        period: float,
         fire: Callable[[], None],
         tell: Callable[[str], None],
         stale_after: float,
@@ -40,12 +38,11 @@ class RowTimer:
         self.stale_after = stale_after
         self._node, self._fire, self._tell = node, fire, tell
         self._clock = node.get_clock()
-        self._period_ns = round(period * NANOSECONDS)
-        self.times = RowTimes(self._period_ns)
+        self.times = RowTimes(NANOSECONDS)
         self._silence = SilenceWatch()
-        self._timer = node.create_timer(period, self.on_time)
+        self._timer = node.create_timer(PERIOD, self.on_time)
         steady = Clock(clock_type=ClockType.STEADY_TIME)
-        node.create_timer(LOOK_PERIOD, lambda: self.look(time.monotonic_ns()), clock=steady)
+        node.create_timer(PERIOD, lambda: self.look(time.monotonic_ns()), clock=steady)
         ahead, back = (Duration(nanoseconds=sign * self.times.jump_ns) for sign in (1, -1))
         threshold = JumpThreshold(min_forward=ahead, min_backward=back, on_clock_change=False)
         self._jumps = self._clock.create_jump_callback(threshold, post_callback=self._jumped)
@@ -57,7 +54,7 @@ class RowTimer:
         """
         self._node.destroy_timer(self._timer)
         group, context = self._node.default_callback_group, self._node.context
-        self._timer = Timer(self.on_time, group, self._period_ns, self._clock, context=context)
+        self._timer = Timer(self.on_time, group, NANOSECONDS, self._clock, context=context)
 
     def on_time(self) -> None:
         """Fires, if a row is due now."""
@@ -76,7 +73,7 @@ class RowTimer:
         System time that is set back takes no timer with it: that would wait until the old time.
         """
         wait_ns = self._timer.time_until_next_call() or 0
-        if not self._clock.ros_time_is_active and wait_ns > 2 * self._period_ns:
+        if not self._clock.ros_time_is_active and wait_ns > 2 * NANOSECONDS:
             self._timer.reset()
             self._went_back()
         now_ns = self._clock.now().nanoseconds
