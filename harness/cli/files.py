@@ -50,9 +50,3 @@ class Files(Value):
         """Returns the same files with a page and a picture, if all is to be in one folder."""
         wanted = () if self.out is None else ("page", "picture")
         return self.but(**{name: BESIDE for name in wanted if getattr(self, name) is None})
-
-    def beside(self, log: Path) -> "Files":
-        """Returns the same files with places for those that are to stand beside a log."""
-        wanted = {"page": ".html", "picture": ".png"}.items()
-        own = {name: end for name, end in wanted if getattr(self, name) == BESIDE}
-        return self.but(**{name: log.with_suffix(end) for name, end in own.items()})

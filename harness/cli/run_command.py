@@ -112,7 +112,7 @@ def _command(options: RunOptions, console: Console) -> int:
                 if other is not result
             }
             _write_page(result, recorder, others, console)
-        _draw(drawing, _log(results[0], outputs[0]), stop, console)
+        _draw(drawing, stop, console)
         if recorders or drawing.wanted:
             console.print(f"next: {next_step(results)}", soft_wrap=True)
     return exit_code
@@ -125,14 +125,13 @@ def _log(result: RunResult, output: Outputs) -> Path:
 
 def _placed(result: RunResult, options: RunOptions, output: Outputs) -> RunResult:
     """The result with the place of its page, and failed if it came to what --fail-on names."""
-    page = options.files.beside(_log(result, output)).page
-    named = page if page is None or options.files.page == BESIDE else with_name(page, result.rover)
+    beside, page = _log(result, output).with_suffix(".html"), options.files.page
     wrong = mishaps(result, options.files.fail_on)
     failure = result.failure or (wrong[0].text if wrong else None)
     return replace(
         result,
         command=options.command,
-        report=named,
+        report=beside if page == BESIDE else with_name(page, result.rover),
         params=options.params,
         columns=output.settings.extended.column_names,
         failure=failure,
@@ -240,7 +239,7 @@ def _report(
     return 1 if complaints else stop.exit_code
 
 
-def _draw(drawing: Drawing, log: Path, stop: StopRequest, console: Console) -> None:
+def _draw(drawing: Drawing, stop: StopRequest, console: Console) -> None:
     """Draws, which takes its time: a run that was ended from outside does not wait for it."""
     if drawing.wanted and stop.name in OUTSIDE:
         complain("harness.run", f"nothing was drawn: stopped by {stop.name}")
@@ -252,7 +251,7 @@ def _draw(drawing: Drawing, log: Path, stop: StopRequest, console: Console) -> N
     if not drawing.wanted or drawing.lack:
         return
     with counted(console, "drawing") as show:
-        drawn = drawing.finish(show, log)
+        drawn = drawing.finish(show)
     for path in drawn:
         kind = "picture" if path.suffix == SUFFIXES["--picture"] else "video"
         console.print(f"{kind}: {path}", soft_wrap=True)

@@ -19,10 +19,6 @@ PROGRAM = (sys.executable, "-m", "harness.view.picture")
 PATIENCE = 10.0  # [s] for the process that draws to leave no half of a file behind
 
 
-class DrawingFailed(HarnessError):
-    """The run is done, its picture or video is not."""
-
-
 class Artist(AbstractContextManager["Artist"]):
     """A process of harness.view.picture that waits for what to draw; Ctrl-C stops its caller alone.
 
@@ -71,7 +67,7 @@ class Artist(AbstractContextManager["Artist"]):
             self._in.close()
 
     def finish(self, show: Callable[[int, int], None]) -> None:
-        """Waits for what it draws; DrawingFailed with what it says if it cannot."""
+        """Waits for what it draws; HarnessError with what it says if it cannot."""
         for line in self._out:
             if match := FRAMES.fullmatch(line):
                 show(int(match[1]), int(match[2]))
@@ -79,7 +75,7 @@ class Artist(AbstractContextManager["Artist"]):
             self._said.seek(0)
             said = self._said.read().strip().splitlines()
             last = next(iter(said[-1:]), f"exit code {self._process.returncode}")
-            raise DrawingFailed(f"nothing was drawn: {last}")
+            raise HarnessError(f"nothing was drawn: {last}")
 
 
 def artist(chosen: str) -> Artist:

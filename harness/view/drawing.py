@@ -111,15 +111,14 @@ class Drawing(AbstractContextManager["Drawing"]):
         look = {"camera": self._camera, "lidar": self._lidar}
         self._artist.begin({"recordings": recordings, "files": files, **look})
 
-    def finish(self, show: Callable[[int, int], None], beside: Path = BESIDE) -> list[Path]:
-        """Waits for what is drawn in a process of its own; returns the files, or raises DrawingFailed.
+    def finish(self, show: Callable[[int, int], None]) -> list[Path]:
+        """Waits for what is drawn in a process of its own; returns the files, or raises HarnessError.
 
         Args:
             show: Is called with the number of frames drawn and of all frames; of a picture there is one.
-            beside: The log of the run, if `begin` was not given it.
         """
         if self._artist is None:
             return []
-        self.begin(beside)
+        self.begin()
         self._artist.finish(show)
         return list(self._drawn.values())

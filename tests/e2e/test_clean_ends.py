@@ -17,7 +17,6 @@ from typing import Any
 
 import pytest
 
-from harness.base.files import BESIDE
 from harness.base.interrupt import Interrupted
 from harness.drivers.base import Observation
 from harness.drivers.wander import Wander
@@ -185,7 +184,7 @@ class SlowDrawing(Drawing):
         if number := next(SlowDrawing.signals, None):
             signal.raise_signal(number)
 
-    def finish(self, show: Callable[[int, int], None], _: Path = BESIDE) -> list[Path]:
+    def finish(self, show: Callable[[int, int], None]) -> list[Path]:
         show(0, 1)
         if number := next(SlowDrawing.signals, None):
             signal.raise_signal(number)

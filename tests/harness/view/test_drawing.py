@@ -127,9 +127,9 @@ def test_a_run_draws_its_picture_and_its_video_and_its_log_keeps_its_bytes(
     shown: list[tuple[int, int]] = []
     finish = Drawing.finish
 
-    def told(one: Drawing, show: Callable[[int, int], None], beside: Path) -> list[Path]:
+    def told(one: Drawing, show: Callable[[int, int], None]) -> list[Path]:
         show(0, 1)  # what the bar takes
-        return finish(one, lambda done, total: shown.append((done, total)), beside)
+        return finish(one, lambda done, total: shown.append((done, total)))
 
     monkeypatch.setattr(Drawing, "finish", told)
     words = ["--direct", "--terrain", "posts", "--driver", "straight", "--duration", "4", "--log-dir"]
