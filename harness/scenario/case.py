@@ -181,6 +181,7 @@ def _params(path: Path, name: str | None) -> dict[str, Any]:
 
 def _run(path: Path, scenario: Scenario, cell: dict[str, Any], seed: int) -> Run:
     values = scenario.run_values() | {name: value for name, value in cell.items() if name != "params"}
+    values |= {name: "" for name in ("soil", "surface") if name in cell and cell[name] is None}
     places = {"terrain": _beside, "soil": _beside, "robot": _robot_beside, "driver": _part_beside}
     for name, place in places.items():
         if values.get(name):

@@ -166,10 +166,15 @@ def _values(cell: Cell, index: int) -> Floats:
 
 
 def _difference(title: str, cells: tuple[Cell, Cell], values: tuple[Floats, Floats]) -> Comparison:
-    """The second cell's difference from the first; run by run where both drove in the same worlds."""
+    """The second cell's difference from the first; run by run where both drove in the same worlds.
+
+    On another soil a world has the same hills and rocks.
+    """
     first, second = values
     runs = [[attempt.case.run for attempt in cell.attempts] for cell in cells]
-    worlds, others = ([(run.seed, run.world, run.rover.start) for run in some] for some in runs)
+    worlds, others = (
+        [(run.seed, run.world.but(soil=""), run.rover.start) for run in some] for some in runs
+    )
     if worlds == others:
         both = np.isfinite(first) & np.isfinite(second)
         return compare(title, first[both], second[both], CONFIDENCE, paired=True)

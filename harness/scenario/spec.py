@@ -109,6 +109,9 @@ class Matrix(Value):
     driver: tuple[str, ...] = ()
     noise: tuple[str | None, ...] = ()
     params: tuple[Text | None, ...] = ()
+    soil: tuple[str | None, ...] = ()
+    surface: tuple[str | None, ...] = ()
+    actuators: tuple[str, ...] = ()
 
 
 NOT_KEYS = (  # have other forms

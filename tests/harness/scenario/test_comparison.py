@@ -80,6 +80,7 @@ def test_a_cell_is_summed_up_and_differs_from_the_first_as_by_hand(make_cases: M
     [
         ("driver: [wander, straight]", True),
         ("noise: [white, null]", True),
+        ("soil: [null, firm]", True),
         ("difficulty: [0, 1]", False),
     ],
 )

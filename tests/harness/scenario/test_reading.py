@@ -65,7 +65,7 @@ PARTS = [
     ("launch: [{comand: a}]", ":4:11:", "did you mean 'command'?"),
     ("launch: [[]]", ":4:10: launch.0", "give at least 1"),
     ("pass_rate: {min: 1.5}", ":4:13: pass_rate.min", "give 0 to 1"),
-    ("matrix: {q: 1}", ":4:10:", "available: robot, terrain, difficulty, driver, noise, params"),
+    ("matrix: {q: 1}", ":4:10:", "available: robot, terrain, difficulty, driver"),
     ("goal: {q: 1}", ":4:8:", "available: at, yaw, radius"),
     ("events: [{at: 1, fault: a, q: 1}]", ":4:28:", "available: at, fault, for"),
     ("events: [{at: 1, command: [0, 0], q: 1}]", ":4:35:", "available: at, command"),

@@ -52,6 +52,12 @@ def test_a_file_becomes_the_configuration_that_it_describes(
 ) -> None:
     cases = make_cases(SPEED, "matrix: {driver: [goal, straight]}\ngoal: {at: [3, 4], yaw: 1}")
     assert [case.run.plan.goals for case in cases] == [((0.0, 3.0, 4.0, 1.0),), ()]
+    grounds = "soil: [null, dry_sand], surface: [null, snow], actuators: [real]"
+    runs = [case.run for case in make_cases(SPEED, f"robot: husky\nmatrix: {{{grounds}}}")]
+    assert [(run.world.soil, run.rover.surface) for run in runs] == [
+        *(("", ""), ("", "snow"), ("dry_sand", ""), ("dry_sand", "snow"))
+    ]
+    assert {run.rover.actuators for run in runs} == {"real"}
     route = "3,0/5,-2:radius=0.7,within=9,stop=true,limit=20"
     (case,) = make_cases(SPEED, f"driver: goal\nroute: {route}")
     assert case.run.plan.route == Run.of(driver="goal", route=route).plan.route
