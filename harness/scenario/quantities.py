@@ -28,6 +28,8 @@ class Snapshot(NamedTuple):
         tilt: Largest angle between the rover's and the world's vertical in this period [rad].
         goal_distance: From the model frame to the goal, in the plane [m]; NaN without a goal.
         goal_s: When the rover was first as near to its goal as it must be [s]; NaN before.
+        person_distance: From the model frame to the nearest person, in the plane, the least in this
+            period [m]; NaN without people.
         mission: How its mission stands.
     """
 
@@ -36,6 +38,7 @@ class Snapshot(NamedTuple):
     tilt: float
     goal_distance: float
     goal_s: float
+    person_distance: float = math.nan
     mission: MissionState = MissionState()
 
 
@@ -149,6 +152,12 @@ SHIPPED: dict[str, Quantity] = {
         for name, (unit, meaning) in _OF_WHEELS.items()
         for wheel, place in _CORNERS.items()
     },
+    "truth.person_distance": Quantity(
+        "m",
+        "To the nearest person, in the plane.",
+        lambda m: m.person_distance,
+        nothing="nobody is in the world; give actors",
+    ),
     "truth.goal_distance": Quantity("m", "To the goal, in the plane.", lambda m: m.goal_distance),
     "truth.goal_s": Quantity(
         "s",

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from harness.base.sim_time import NANOSECONDS
 from harness.episode.batch import Batch
 from harness.episode.mission import MissionAccount, MissionState
-from harness.samples import Pose, Sample, TruthState, Vector3
+from harness.samples import ActorPoses, Pose, Sample, TruthState, Vector3
 from harness.scenario.quantities import NO_VALUE, Snapshot, quantity_of
 from rover_metrics.core import rotation
 
-SAMPLES: set[type[Sample]] = {Pose, TruthState}  # that quantities of the truth are made of
+SAMPLES: set[type[Sample]] = {Pose, TruthState, ActorPoses}  # that quantities of the truth are made of
 STILL = TruthState(0, False, False, False, 0.0, 0.0, 0.0, (0.0, 0.0, 0.0, 0.0), 0.0)
 
 
@@ -60,11 +60,13 @@ class TruthSeries:
 
     def take(self, batch: Batch) -> None:
         """Takes the next batch."""
-        tilts = []
+        tilts, apart = [], []
         for tick in batch.ticks:
             self._state = tick.of(TruthState) or self._state
             if (pose := tick.of(Pose)) is not None:
                 tilts.append(rotation.tilt(pose.orientation))
+                if (people := tick.of(ActorPoses)) is not None:  # 30 Hz: once or twice a period
+                    apart += [math.dist(pose.position[:2], place[:2]) for place in people.position]
         self._tilt = max(tilts, default=self._tilt)
         time_s = batch.truth.time_ns / NANOSECONDS
         distance = self._distance(batch.truth.position)
@@ -73,7 +75,11 @@ class TruthSeries:
         mission = MissionState()
         if self._mission is not None:
             mission = self._mission.take(time_s, batch.truth.position[:2], batch.truth.resets)
-        snapshot = Snapshot(batch.truth, self._state, self._tilt, distance, self._goal_s, mission)
+        snapshot = Snapshot(
+            *(batch.truth, self._state, self._tilt, distance, self._goal_s),
+            person_distance=min(apart, default=math.nan),
+            mission=mission,
+        )
         self._times.append(time_s)
         self._values.append(tuple(q.value(snapshot) for q in self._quantities.values()))
 

@@ -20,6 +20,7 @@ from harness.base.interrupt import Interrupted, StopRequest
 from harness.episode import direct
 from harness.episode.episode import Episode
 from harness.episode.result import Outputs, RunResult
+from harness.episode.social_recorder import SocialRecorder
 from harness.samples import ContactEvent, LaserScan
 from harness.scenario.attempt import AttemptOptions, attempt
 from harness.scenario.baseline import write_baselines
@@ -31,6 +32,7 @@ from harness.scenario.verdict import Attempt
 from harness.scenario.watch import contact_of
 from harness.spec.ros import RosOptions
 from harness.spec.run import Run
+from rover_metrics.analysis.social.log import read_social_log
 from rover_metrics.core.columns import COLUMNS
 from tests.harness.scenario.conftest import MakeCases, Scripted
 
@@ -245,11 +247,17 @@ def test_the_truth_is_the_same_without_the_other_sensors(
 ) -> None:
     monkeypatch.undo()  # the scripted episode
     (case,) = make_cases("{truth.speed: {max: 9}}", "driver: wander\nnoise: white\nlidar_beams: 90")
-    config, stop = case.run.alone(terrain="rocky", duration=1.0), StopRequest()
-    full, alone = TruthSeries(QUANTITIES), TruthSeries(QUANTITIES)
-    outputs = Outputs(log_dir=tmp_path, observers=(full,))
+    config = case.run.alone(terrain="rocky", duration=1.0, actors=("a=2,0/2,3:speed=1.5", "b=9,9/9,8"))
+    full, alone, stop = TruthSeries(QUANTITIES), TruthSeries(QUANTITIES), StopRequest()
+    social = SocialRecorder(("a", "b"), tmp_path / "social.csv", tmp_path)
+    outputs = Outputs(log_dir=tmp_path, observers=(full, social))
     (first,) = direct.run_direct(config, (outputs,), RosOptions(log_dir=tmp_path), stop)
+    social.close()
     second = direct.run_unlogged(config, stop, SAMPLES, (alone,))
     assert (second.truth, second.along) == (first.truth, first.along)
     pairs = zip(full.series().values(), alone.series().values(), strict=True)
     assert all(np.array_equal(a.values, b.values, equal_nan=True) for a, b in pairs)
+    nearest = read_social_log(tmp_path / "social.csv").distance.min(axis=1)
+    least = alone.series()["truth.person_distance"].values[-1]  # of the last 50 ms
+    assert least <= nearest[0] + 0.005
+    assert least == pytest.approx(nearest[0], abs=0.05 * 2.0)

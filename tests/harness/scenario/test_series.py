@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from harness.episode.batch import Batch
 from harness.episode.mission import MissionState
-from harness.samples import Pose, SoilState, Tick, Truth, TruthState
+from harness.samples import ActorPoses, Pose, SoilState, Tick, Truth, TruthState
 from harness.scenario.quantities import QUANTITIES
 from harness.scenario.series import TruthSeries
 
@@ -70,7 +70,10 @@ def test_every_quantity_of_the_truth_comes_from_its_own_value() -> None:
     counts = {"hazard_contacts": 3, "rock_contacts": 4, "scrapes": 5}
     times = {"hazard_contact_s": 0.6, "rock_contact_s": 0.7, "scrape_s": 0.8}
     watch = TruthSeries(QUANTITIES)
-    watch.take(batch(1, state, **totals, **counts, **times))
+    upright = (0.0, 0.0, 0.0, 1.0)
+    people = ActorPoses(0, ((9.0, 9.0, 1.0), (4.0, 5.0, 8.0)), (upright, upright))
+    here = Pose(0, (1.0, 1.0, 1.0), upright)
+    watch.take(batch(1, state, here, people, **totals, **counts, **times))
     found = {name: float(series.values[0]) for name, series in watch.series().items()}
     expected = {f"truth.{name}": value for name, value in {**counts, **times}.items()} | {
         "truth.contact_force": 11.0,
@@ -98,6 +101,7 @@ def test_every_quantity_of_the_truth_comes_from_its_own_value() -> None:
             for name in ("sinkage", "slip_angle", "pull", "side_force")
             for wheel, value in zip(CORNERS, (0.0, 0.1, 0.2, -0.5), strict=True)
         },
+        "truth.person_distance": 5.0,
         "truth.goal_distance": math.nan,
         "truth.goal_s": math.nan,
         "truth.route_points": 0.0,  # of no mission
