@@ -13,8 +13,8 @@ from rich.table import Column, Table
 from rich.text import Text
 
 from harness.base.errors import how_many
-from harness.drivers import DRIVERS, Driver
-from harness.drivers.base import OF_POLICY
+from harness.drivers import DRIVERS
+from harness.drivers.base import OF_POLICY, Driver
 from harness.drivers.policy import PolicyDriver
 from harness.episode import result
 from harness.episode.mishaps import mishaps

@@ -5,22 +5,9 @@ from pathlib import Path
 from typing import Any
 
 from harness.base.errors import find_named
-from harness.drivers.base import OF_POLICY, Driver, DriverContext, Observation, TakesGoals
+from harness.drivers.base import OF_POLICY, Driver, TakesGoals
 from harness.samples import Sample
 from rover_metrics.plugins import Shipped, Table
-
-__all__ = [
-    "DRIVERS",
-    "Driver",
-    "DriverContext",
-    "Observation",
-    "TakesGoals",
-    "find_driver",
-    "goal_takers",
-    "sensed_by",
-    "takes_goals",
-]
-
 
 OF_A_DRIVER = ("summary", "senses", "command")
 SHIPPED = Shipped[type[Driver]](

@@ -10,8 +10,8 @@ from weakref import WeakMethod
 
 from harness.base.sim_time import NANOSECONDS, TICK, TICK_NS
 from harness.base.streams import GOALS, generator
-from harness.drivers import Driver, DriverContext, Observation, TakesGoals, find_driver, takes_goals
-from harness.drivers.base import commanded, drivable
+from harness.drivers import find_driver, takes_goals
+from harness.drivers.base import Driver, DriverContext, Observation, TakesGoals, commanded, drivable
 from harness.drivers.goal_course import GoalCourse
 from harness.drivers.policy import PolicyDriver
 from harness.drivers.route_course import RouteCourse

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from harness.base.errors import UsageError
 from harness.base.sim_time import NANOSECONDS
 from harness.base.streams import VALIDATION_AGENT
-from harness.drivers import DriverContext, Observation
+from harness.drivers.base import DriverContext, Observation
 from harness.drivers.wander import Roam
 from harness.episode import loop
 from harness.episode.assembly import injector

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from harness.base.sim_time import CONTROL_PERIOD_NS, TICK_NS
-from harness.drivers import DRIVERS, DriverContext, Observation, TakesGoals
+from harness.drivers import DRIVERS
+from harness.drivers.base import DriverContext, Observation, TakesGoals
 from harness.episode.episode import Episode
 from harness.robots import find_rover
 from harness.samples import Imu, JointStates, LaserScan, Odometry, Pose, Twist

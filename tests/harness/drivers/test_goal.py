@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.drivers import DriverContext, Observation
+from harness.drivers.base import DriverContext, Observation
 from harness.drivers.goal import Goal
 from harness.episode.episode import Episode
 from harness.samples import Place, Twist

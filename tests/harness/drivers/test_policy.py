@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from harness.base.errors import UsageError
-from harness.drivers import DRIVERS, DriverContext, Observation, find_driver, sensed_by, takes_goals
+from harness.drivers import DRIVERS, find_driver, sensed_by, takes_goals
+from harness.drivers.base import DriverContext, Observation
 from harness.drivers.point_nav import SENSED, commanded
 from harness.drivers.policy import BESIDE_LIDAR, Policy, read_policy, write_policy
 from harness.episode.episode import Episode

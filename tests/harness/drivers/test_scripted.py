@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.drivers import DRIVERS, DriverContext, Observation
+from harness.drivers import DRIVERS
+from harness.drivers.base import DriverContext, Observation
 from harness.drivers.scripted import CmdVel
 from harness.robots import RoverSpec
 from harness.samples import Twist

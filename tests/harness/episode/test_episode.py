@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from harness.drivers import Observation
+from harness.drivers.base import Observation
 from harness.drivers.scripted import Straight
 from harness.episode.episode import Episode
 from harness.robots import ROVERS

@@ -10,7 +10,7 @@ from rich.console import Console
 
 from harness.base.errors import UsageError
 from harness.base.interrupt import StopRequest
-from harness.drivers import DriverContext, Observation
+from harness.drivers.base import DriverContext, Observation
 from harness.drivers.wander import Wander
 from harness.episode.direct import run_direct
 from harness.episode.result import Outputs
