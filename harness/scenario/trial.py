@@ -32,8 +32,8 @@ from harness.scenario.steps import PauseEvent
 from harness.scenario.subscriptions import Subscriptions
 from harness.scenario.verdict import Attempt
 from harness.scenario.watch import Watch
-from harness.testing.evidence import Recording
 from harness.testing.process import Programs
+from harness.testing.recording import Recording
 from harness.testing.subject import Subject
 from harness.testing.trial import Start, Trial
 from rover_metrics.errors import LogError

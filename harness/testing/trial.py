@@ -1,6 +1,7 @@
 """A trial: one seeded drive whose topics a node under test hears, stepped by the test."""
 
 import sys
+import time
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
@@ -19,6 +20,9 @@ from harness.episode.batch import Batch, later
 from harness.episode.episode import Episode
 from harness.episode.loop import Route
 from harness.episode.loop import drive as drive_loop
+from harness.episode.result import RunAccount, RunResult
+from harness.page.run.evidence import keep_evidence
+from harness.page.run.recorder import RunRecorder
 from harness.ros.context import QUIET, make_executor, spin_until, spin_until_quiet, unfinished_is_freed
 from harness.ros.network import reserved_domain, stay_local
 from harness.ros.remote import DISCOVERY_PATIENCE
@@ -26,13 +30,14 @@ from harness.ros.rover_nodes import RoverNodes
 from harness.samples import GroundTruth, Tick, Truth, Twist
 from harness.spec.ros import FrameOptions
 from harness.spec.run import Run
-from harness.testing.evidence import Evidence, Recording
 from harness.testing.nodes import Nodes
 from harness.testing.process import Programs
+from harness.testing.recording import Recording
 from harness.testing.subject import Heard, Message
 from rover_metrics.ros.parameters import BEST_EFFORT
 from rover_metrics.ros.subscriptions import keep_last
 
+PAGE = "trial.html"
 MOST = 10_000  # messages of a topic that are kept: over three minutes at 50 Hz
 ON_SIMULATED_TIME = ("--ros-args", "-p", "use_sim_time:=true")
 # Hears reliable publishers and best-effort ones; in lock-step nothing is lost.
@@ -80,7 +85,7 @@ class Trial:
         check(run)
         self.run, self._frames, self._cmd_vel = run, frames or FrameOptions(), cmd_vel
         self.artifacts, self._has_evidence = artifacts, False
-        self._evidence: Evidence | None = None
+        self._watching: tuple[RunRecorder, RunAccount] | None = None  # for the page
         self._recording = recording
         self.truth = Truth()
         self.domain = 0
@@ -123,9 +128,16 @@ class Trial:
 
     def keep(self, folder: Path, reason: str) -> tuple[Path, ...]:
         """Ends the recording, puts it and a page about the last episode into a folder."""
-        assert self._evidence is not None  # noqa: S101 - as `keep_evidence` makes sure
+        assert self._watching is not None  # noqa: S101 - as `keep_evidence` makes sure
         assert self._recording is not None  # noqa: S101
-        return self._evidence.keep(folder, reason, self._recording)
+        page, account = self._watching
+        return keep_evidence(account.ended(), page, folder / PAGE, reason, [self._recording.end()])
+
+    def _watch_anew(self) -> None:
+        """Has the page be about the episode that begins."""
+        begun = RunResult(run=self.run, mode="a trial of harness.testing", info=self.info)
+        account = RunAccount(begun, time.monotonic(), None, self._rover.topics, int)
+        self._watching = RunRecorder(), account
 
     def _start(self, at_end: ExitStack) -> None:
         stay_local()
@@ -143,7 +155,7 @@ class Trial:
         self._ticks = drive_loop(self._batches(), (Route(rover.faults, self._take_tick, (self,)),))
         if self.artifacts is not None and self._recording is None:
             self._recording, self._has_evidence = Recording(), True
-            self._evidence = Evidence(self.bridge, self.run, self.info)
+            self._watch_anew()
         if self._recording is not None:
             at_end.enter_context(self._recording).tap(self.bridge)
         if self._episode.description is not None:
@@ -345,8 +357,8 @@ class Trial:
 
     def take(self, batch: Batch) -> None:
         """Takes account of a batch whose ticks have been published; what `drive_loop` calls."""
-        if self._evidence is not None:
-            self._evidence.take(batch)
+        for observer in self._watching or ():
+            observer.take(batch)
 
     def _command(self, twist: Twist) -> None:
         self._episode.command(twist)
@@ -362,8 +374,8 @@ class Trial:
                 episode, began_ns = self._episode, self.now_ns
                 batches, self.info = episode.batches(), episode.info
                 self._rover.begin_anew(self.run)
-                if self._evidence is not None:
-                    self._evidence = Evidence(self.bridge, self.run, self.info)
+                if self._watching is not None:
+                    self._watch_anew()
 
     def _next(self, batches: Iterator[Batch]) -> Batch | None:
         try:
