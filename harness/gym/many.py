@@ -26,8 +26,8 @@ from harness.base.errors import RunFailed, UsageError
 from harness.base.interrupt import held_back
 from harness.gym.env import Action, Info, RoverEnv
 from harness.gym.observation import Observation
-from harness.gym.shared import Shared, answered, serve, stay_awake
-from harness.gym.vector import Flags, Part
+from harness.gym.shared import Flags, Shared, stay_awake
+from harness.gym.vector import Part, answered, serve
 
 EXIT_PATIENCE = 0.5  # [s] for a process to leave before it is killed
 
@@ -104,6 +104,7 @@ class ManyRovers(VectorEnv[Observation, Action, NDArray[Any]]):
         size = Shared.size(shapes, count)
         memory = context.RawArray("b", size) if others else bytearray(size)
         self._shared = Shared.of(memory, shapes, count)
+        self._own.rows = self._shared.rows(self._parts[0])
         if not others:
             return
         try:
@@ -174,8 +175,7 @@ class ManyRovers(VectorEnv[Observation, Action, NDArray[Any]]):
             for (connection, _), given in zip(self._children, others, strict=True):
                 with contextlib.suppress(ConnectionError):  # the answer says why
                     connection.send((request, *given))
-            rows = self._shared.rows(self._parts[0])
-            answers: list[Any] = [answered(self._own, rows, request, own)]
+            answers: list[Any] = [answered(self._own, request, own)]
             answers += [_received(*child) for child in self._children]
         except BaseException:  # of a signal too: an answer would come too late
             if self._children:

@@ -5,21 +5,23 @@ itself, to the bit. The physics of some is done by other threads, which do witho
 this thread reads what has been driven.
 """
 
+import contextlib
+import signal
+import time
 from collections.abc import Callable, Sequence
+from multiprocessing.connection import Connection
 from typing import Any
 
 import numpy as np
 from gymnasium.vector import AutoresetMode
 from joblib import cpu_count
-from numpy.typing import NDArray
 
 from harness.base.errors import UsageError
 from harness.gym.env import Info, RoverEnv
 from harness.gym.observation import Observation
+from harness.gym.shared import AWAKE, Flags, Shapes, Shared, stay_awake
 from harness.physics.physics import Physics
 from harness.physics.pool import Pool
-
-Flags = NDArray[np.bool_]
 
 
 class Part:
@@ -34,11 +36,13 @@ class Part:
 
     Attributes:
         envs: The environments.
-        seen: What each of them observed last.
+        rows: Theirs of the memory that all processes share; to be set before anything is asked.
 
     Raises:
         UsageError: A value is not valid.
     """
+
+    rows: Shared
 
     def __init__(
         self,
@@ -55,12 +59,9 @@ class Part:
         self.envs = [make(**options) for _ in range(num_envs)]
         others = min(num_envs, threads or cpu_count()) - 1
         self._pool = Pool(num_envs, others) if others else None
-        self.seen = [Observation()] * num_envs
         self._ended: Flags = np.zeros(num_envs, np.bool_)
 
-    def reset_each(
-        self, mask: Flags, seeds: Sequence[int | None], options: dict[str, Any]
-    ) -> list[Info]:
+    def reset(self, mask: Flags, seeds: Sequence[int | None], options: dict[str, Any]) -> list[Info]:
         """Begins an episode in some environments; returns the info of each, empty of others.
 
         Args:
@@ -70,22 +71,29 @@ class Part:
         """
         infos: list[Info] = [{}] * self.num_envs
         for index in np.flatnonzero(mask).tolist():
-            env = self.envs[index]
-            self.seen[index], infos[index] = env.reset(seed=seeds[index], options=options)
+            seen, infos[index] = self.envs[index].reset(seed=seeds[index], options=options)
+            self._show(index, seen)
         self._ended[mask] = False
         return infos
 
-    def accept(self, actions: NDArray[np.floating[Any]]) -> None:
+    def accept(self) -> tuple[()]:
         """Takes the actions of the next step, or raises as RoverEnv: a mistake changes nothing."""
         for index in self._stepped():
-            self.envs[index].accept(actions[index])
+            self.envs[index].accept(self.rows.actions[index])
+        return ()
 
-    def step_each(self, rewards: NDArray[np.float64], terminated: Flags, truncated: Flags) -> list[Info]:
-        """Steps all by what was accepted, into arrays of zeros; returns the info of each."""
+    def step(self) -> list[Info]:
+        """Steps all by the actions; returns the info of each."""
+        self.accept()
+        _, _, rewards, terminated, truncated = self.rows
         infos: list[Info] = [{}] * self.num_envs
+        rewards.fill(0.0)
+        for flags in (terminated, truncated):
+            flags.fill(False)
         stepped = self._stepped()
         for index in sorted({*range(self.num_envs)} - {*stepped}):
-            self.seen[index], infos[index] = self.envs[index].reset()
+            seen, infos[index] = self.envs[index].reset()
+            self._show(index, seen)
         self._drive([self.envs[index] for index in stepped])
         for index in stepped:
             seen, rewards[index], terminated[index], truncated[index], info = self.envs[index].conclude()
@@ -93,7 +101,8 @@ class Part:
                 final = {"final_obs": seen, "final_info": info}
                 seen, info = self.envs[index].reset()
                 info |= final
-            self.seen[index], infos[index] = seen, info
+            self._show(index, seen)
+            infos[index] = info
         self._ended = terminated | truncated
         return infos
 
@@ -108,6 +117,10 @@ class Part:
         if self._pool is not None:
             self._pool.close()
             self._pool = None  # its locks are gone: who steps on does the physics alone
+
+    def _show(self, index: int, seen: Observation) -> None:
+        for name, part in self.rows.observations.items():
+            part[index] = seen[name]
 
     def _stepped(self) -> list[int]:
         """The environments that a step drives; with NEXT_STEP, those that ended begin anew instead."""
@@ -132,3 +145,53 @@ class Part:
 def _commanded(env: RoverEnv[Any]) -> Physics:
     env.command()
     return env.driven.simulation.physics
+
+
+def serve(
+    connection: Connection,
+    make: Callable[..., RoverEnv[Any]],
+    place: tuple[Any, Shapes, int, slice],
+    given: dict[str, Any],
+) -> None:
+    """Steps environments in a process of their own, as it is asked, until nobody listens.
+
+    Args:
+        connection: To who asks.
+        make: Makes one environment.
+        place: The memory, the shapes of the parts of an observation, how many environments there are in
+            all, and which of them are here.
+        given: Options of a Part.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the terminal's is for the parent
+    if hasattr(signal, "pthread_sigmask"):  # a parent that ends without closing sends it, and waits
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGTERM])
+    *memory, place_of = place
+    part = Part(make, place_of.stop - place_of.start, **given)
+    part.rows = Shared.of(*memory).rows(place_of)
+    waited = 0.0
+    with contextlib.suppress(EOFError, ConnectionError):
+        while True:
+            begun = time.monotonic()
+            if waited < AWAKE:  # else whoever asks does something between steps, and may want this core
+                stay_awake(connection)
+            request, *args = connection.recv()
+            waited = time.monotonic() - begun
+            connection.send(answered(part, request, args))
+
+
+def answered(part: Part, request: str, args: Sequence[Any]) -> "Sequence[Any] | Exception":
+    """Does what is asked of the environments of a process.
+
+    Args:
+        part: They themselves.
+        request: The name of what it does: "reset", "accept", "step" or "render".
+        args: Of that.
+
+    Returns:
+        The info of each, or what each draws; an error that is to be raised where it was asked for.
+    """
+    try:
+        answer: Sequence[Any] = getattr(part, request)(*args)
+    except Exception as error:  # noqa: BLE001 - it is raised when all have answered
+        return error
+    return answer
