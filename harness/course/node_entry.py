@@ -12,20 +12,21 @@ from harness.course.result import EpisodeResult, result_of
 from harness.course.task import Case, Task
 from harness.episode.assembly import world_of
 from harness.episode.batch import Batch
+from harness.testing.listener import TrialListener
 from harness.testing.process import Programs
 from harness.testing.trial import Trial
 
 OUTPUT = "output.txt"
 
 
-class _NodeTrial(Trial):
+class _Watch(TrialListener):
     """Starts the entry's program, and shows the referee every batch."""
 
-    def __init__(self, task: Task, about: EntryFile, referee: Referee, folder: Path) -> None:
-        super().__init__(task.run, cmd_vel="auto")
+    def __init__(self, about: EntryFile, referee: Referee, folder: Path) -> None:
         self._about, self._referee, self._folder = about, referee, folder
 
-    def _begin_programs(self, programs: Programs) -> None:
+    def begin_programs(self, programs: Programs) -> None:
+        """Starts the entry's command in its folder."""
         programs.begin(self._about.launch, self._folder, self._folder / OUTPUT)
 
     def take(self, batch: Batch) -> None:
@@ -46,7 +47,7 @@ def drive_node(case: Case, task: Task, about: EntryFile, folder: Path) -> Episod
         UsageError: Its node does not turn up.
     """
     referee, failure = Referee(task, world_of(task.run)), ""
-    with _NodeTrial(task, about, referee, folder) as trial:
+    with Trial(task.run, listener=_Watch(about, referee, folder), cmd_vel="auto") as trial:
         commands = trial.bridge.commands
 
         def is_heard() -> bool:

@@ -14,13 +14,13 @@ from dataclasses import replace
 from pathlib import Path
 from shutil import copytree
 from tempfile import TemporaryDirectory
-from typing import Self
+from typing import Any, Self
 
 import rclpy
 from rclpy.logging import LoggingSeverity
 
 from harness.base.errors import RunFailed, UsageError
-from harness.base.sim_time import NANOSECONDS
+from harness.base.sim_time import LOOK_PERIOD_NS, NANOSECONDS
 from harness.episode.batch import Batch
 from harness.episode.direct import LoggedRun
 from harness.episode.result import RunResult, TopicCount
@@ -32,8 +32,9 @@ from harness.scenario.steps import PauseEvent
 from harness.scenario.subscriptions import Subscriptions
 from harness.scenario.verdict import Attempt
 from harness.scenario.watch import Watch
+from harness.testing.evidence import LeavesEvidence, Recording
+from harness.testing.listener import TrialListener
 from harness.testing.process import Programs
-from harness.testing.recording import Recording
 from harness.testing.subject import Subject
 from harness.testing.trial import Start, Trial
 from rover_metrics.errors import LogError
@@ -43,8 +44,10 @@ RECORDING = "run.mcap"
 OUTPUT, FILES = ".txt", "files"  # what programs say, and the folder that they may write into
 
 
-class ScenarioTrial(Trial):
+class ScenarioTrial(LeavesEvidence, TrialListener):
     """A run of a scenario: a Trial whose drive is logged, watched and judged.
+
+    What a Trial can do, it can: host, collect, drive, step, until, pause, time, truth, ...
 
     Args:
         case: The run.
@@ -68,9 +71,10 @@ class ScenarioTrial(Trial):
         folder: Path | None = None,
         compare: bool = True,
     ) -> None:
-        self._topic_recording = Recording(RECORDING, KEPT)
-        super().__init__(case.run, artifacts, recording=self._topic_recording)
+        super().__init__(artifacts)
         self.case, self._given = case, folder
+        self._recording = Recording(RECORDING, KEPT)
+        self._trial = Trial(case.run, listener=self, recording=self._recording)
         self._watch = Watch(case, compare=compare)
         self._pauses = [event for event in case.scenario.events if isinstance(event, PauseEvent)]
         self._pauses.sort(key=lambda event: event.at)
@@ -99,23 +103,29 @@ class ScenarioTrial(Trial):
             raise UsageError(f"{path} has {len(first)} runs of a seed; choose one, e.g. {names}")
         return cls(first[0], artifacts)
 
-    def _start(self, at_end: ExitStack) -> None:
-        scratch = self._given or at_end.enter_context(TemporaryDirectory(prefix=SCRATCH))
-        self._folder = Path(scratch)
-        self._files = self._folder / FILES
-        self._files.mkdir()
-        super()._start(at_end)
-        self.bridge.get_logger().set_level(LoggingSeverity.WARN)  # one of many runs
-        scenario, hear = self.case.scenario, self._topic_recording.hear
-        self._topics = Subscriptions(self.bridge, scenario, now=self._now, record=hear)
-        for name in self.nodes.awaited([launch.wait_for for launch in scenario.launch]):
-            self.join(name)
-        if not self.nodes.subjects:  # a node that answers after it was published has heard it
-            self.host(lambda: rclpy.create_node("scenario", enable_rosout=False))
-        mode = f"ROS 2, lock-step with {', '.join(node.name for node in self.nodes.subjects)}"
-        begun = RunResult(run=self.run, mode=mode, info=self.info)
-        log = LoggedRun(begun, self._folder, self._watch.settings, started=time.monotonic())
-        self._logged, self._has_evidence = at_end.enter_context(log), True
+    def __getattr__(self, name: str) -> Any:  # noqa: ANN401 - whatever a Trial has
+        return getattr(self.__dict__["_trial"], name)
+
+    def __enter__(self) -> Self:
+        with ExitStack() as at_end:
+            scratch = self._given or at_end.enter_context(TemporaryDirectory(prefix=SCRATCH))
+            self._folder = Path(scratch)
+            self._files = self._folder / FILES
+            self._files.mkdir()
+            trial = at_end.enter_context(self._trial)
+            trial.bridge.get_logger().set_level(LoggingSeverity.WARN)  # one of many runs
+            scenario, hear = self.case.scenario, self._recording.hear
+            self._topics = Subscriptions(trial.bridge, scenario, now=self._now, record=hear)
+            for name in trial.nodes.awaited([launch.wait_for for launch in scenario.launch]):
+                trial.join(name)
+            if not trial.nodes.subjects:  # a node that answers after it was published has heard it
+                trial.host(lambda: rclpy.create_node("scenario", enable_rosout=False))
+            mode = f"ROS 2, lock-step with {', '.join(node.name for node in trial.nodes.subjects)}"
+            begun = RunResult(run=self.case.run, mode=mode, info=trial.info)
+            log = LoggedRun(begun, self._folder, self._watch.settings, started=time.monotonic())
+            self._logged, self._has_evidence = at_end.enter_context(log), True
+            self._at_end = at_end.pop_all()
+        return self
 
     @property
     def findings(self) -> Attempt:
@@ -130,21 +140,21 @@ class ScenarioTrial(Trial):
             HarnessError: It could not be run: a node does not answer, a program has ended.
         """
         try:
-            while self.advance():
+            while self._trial.advance():
                 pass
         except RunFailed:
-            if self.failure is None:
+            if self._trial.failure is None:
                 raise  # else the drive itself has ended early, which is judged
-        self.result = self._ended(self.nodes.subjects)
-        topics = self._topics
-        heard = heard_series(self.case, topics.heard, topics.known, self._watch.path, self.now_ns)
+        self.result = self._ended(self._trial.nodes.subjects)
+        topics, now_ns = self._topics, self._trial.now_ns
+        heard = heard_series(self.case, topics.heard, topics.known, self._watch.path, now_ns)
         self._findings = self._watch.judged(self.result, heard)
         return self._findings.breaches
 
     def keep(self, folder: Path, reason: str) -> tuple[Path, ...]:
         """Puts log, manifest, page, recording and what programs have said into a folder, made anew."""
         result = self._ended() if self._findings is None else self.result
-        more = [self._topic_recording.end(), *sorted(self._folder.glob(f"*{OUTPUT}"))]
+        more = [self._recording.end(), *sorted(self._folder.glob(f"*{OUTPUT}"))]
         kept = self._watch.keep(result, folder, reason, more)
         if any(self._files.iterdir()):
             kept = (*kept, copytree(self._files, folder / FILES))
@@ -154,9 +164,9 @@ class ScenarioTrial(Trial):
         """Puts the rover back to its start; UsageError with a seed or a start: a run is one episode."""
         if seed is not None or start is not None:
             raise UsageError("a scenario's run is one episode; load another for another seed or start")
-        super().reset()
+        self._trial.reset()
 
-    def _begin_programs(self, programs: Programs) -> None:
+    def begin_programs(self, programs: Programs) -> None:
         """Starts the commands of the scenario."""
         for number, launch in enumerate(self.case.scenario.launch, 1):
             programs.begin(
@@ -166,22 +176,26 @@ class ScenarioTrial(Trial):
                 may_end=launch.wait_for == (),
             )
 
-    def _before_tick(self) -> None:
-        """Pauses where the scenario does."""
-        while self._pauses and self.now_ns >= round(self._pauses[0].at * NANOSECONDS):
-            self.pause(self._pauses.pop(0).pause)
-
-    def _hears_more(self) -> bool:
-        """Listens to topics of the scenario that have turned up."""
+    def joined(self) -> bool:
+        """Hears what a node publishes from its first message on."""
         return self._topics.look_around()
 
-    def _take_tick(self, tick: Tick, sent: Tick) -> None:
+    def before_tick(self) -> None:
+        """Pauses where the scenario does."""
+        while self._pauses and self._trial.now_ns >= round(self._pauses[0].at * NANOSECONDS):
+            self._trial.pause(self._pauses.pop(0).pause)
+
+    def tick(self, tick: Tick, sent: Tick) -> None:
         """Logs a tick."""
-        super()._take_tick(tick, sent)
         try:
             self._logged.advance(tick, sent)
         except LogError as error:
             raise RunFailed(str(error)) from error
+
+    def after_tick(self) -> None:
+        """Hears topics that have turned up."""
+        if self._trial.now_ns % LOOK_PERIOD_NS == 0 and self._topics.look_around():
+            self._trial.nodes.renew()
 
     def take(self, batch: Batch) -> None:
         """Takes the next batch."""
@@ -189,19 +203,19 @@ class ScenarioTrial(Trial):
         self._logged.take(batch)
 
     def _now(self) -> tuple[int, int]:
-        return self.now_ns, self.clock_ns
+        return self._trial.now_ns, self._trial.clock_ns
 
     def _ended(self, nodes: Sequence[Subject] = ()) -> RunResult:
         """What the run has come to, with what the nodes say that they have received."""
-        result, commands = self._logged.ended(self.failure), self.bridge.commands
+        result, commands = self._logged.ended(self._trial.failure), self._trial.bridge.commands
         published = {
             topic: replace(result.topics.get(topic, TopicCount(0)), published=count)
-            for topic, count in self.bridge.published().items()
+            for topic, count in self._trial.bridge.published().items()
         }
         return replace(
             result,
             topics=counted_by(nodes, published),
             commands=commands.count,
             refusal=commands.refusal,
-            waited_s={subject.name: subject.waited_s for subject in self.nodes.subjects},
+            waited_s={subject.name: subject.waited_s for subject in self._trial.nodes.subjects},
         )

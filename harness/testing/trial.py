@@ -1,7 +1,5 @@
 """A trial: one seeded drive whose topics a node under test hears, stepped by the test."""
 
-import sys
-import time
 from collections.abc import Callable, Generator, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
@@ -13,16 +11,13 @@ from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile
 from rclpy.signals import SignalHandlerOptions
 
-from harness.base.errors import HarnessError, RunFailed, UsageError
+from harness.base.errors import RunFailed, UsageError
 from harness.base.sim_time import LOOK_PERIOD_NS, NANOSECONDS, TICK_NS
 from harness.episode.assembly import check
 from harness.episode.batch import Batch, later
 from harness.episode.episode import Episode
 from harness.episode.loop import Route
 from harness.episode.loop import drive as drive_loop
-from harness.episode.result import RunAccount, RunResult
-from harness.page.run.evidence import keep_evidence
-from harness.page.run.recorder import RunRecorder
 from harness.ros.context import QUIET, make_executor, spin_until, spin_until_quiet, unfinished_is_freed
 from harness.ros.network import reserved_domain, stay_local
 from harness.ros.remote import DISCOVERY_PATIENCE
@@ -30,14 +25,14 @@ from harness.ros.rover_nodes import RoverNodes
 from harness.samples import GroundTruth, Tick, Truth, Twist
 from harness.spec.ros import FrameOptions
 from harness.spec.run import Run
+from harness.testing.evidence import Evidence, LeavesEvidence, Recording
+from harness.testing.listener import TrialListener
 from harness.testing.nodes import Nodes
 from harness.testing.process import Programs
-from harness.testing.recording import Recording
 from harness.testing.subject import Heard, Message
 from rover_metrics.ros.parameters import BEST_EFFORT
 from rover_metrics.ros.subscriptions import keep_last
 
-PAGE = "trial.html"
 MOST = 10_000  # messages of a topic that are kept: over three minutes at 50 Hz
 ON_SIMULATED_TIME = ("--ros-args", "-p", "use_sim_time:=true")
 # Hears reliable publishers and best-effort ones; in lock-step nothing is lost.
@@ -47,7 +42,7 @@ Node = TypeVar("Node")
 Start = tuple[float, float, float]
 
 
-class Trial:
+class Trial(LeavesEvidence):
     """Publishes a rover's topics in a ROS domain of its own; a context manager, one at a time.
 
     Args:
@@ -55,13 +50,13 @@ class Trial:
             /cmd_vel, whichever spoke last.
         artifacts: Folder for a recording and a page, if an exception ends the trial; None for none.
         frames: Which transforms are published; None for those of a run.
-        recording: Records the topics for a subclass, which then keeps its own evidence; None if that is
-            done for `artifacts` only.
+        listener: Follows what happens; None for nobody.
+        recording: Records the topics; None if that is done for `artifacts` only.
         cmd_vel: How commands come, as `Commands` says; by default in the type of the first to send.
 
     Attributes:
         run: As it was given, or as `reset` has changed it; `domain` is its ROS domain.
-        artifacts: As it was given; may be changed until the trial is entered. None once it is there.
+        artifacts: As it was given; may be changed until the trial is entered.
         speed: True forward speed of the rover [m/s].
         truth: What only the simulator knows, at the end of the present control period of 50 ms.
         failure: Why the drive itself ended early; None if it did not.
@@ -78,15 +73,16 @@ class Trial:
         artifacts: Path | None = None,
         frames: FrameOptions | None = None,
         *,
+        listener: TrialListener | None = None,
         recording: Recording | None = None,
         cmd_vel: str = "late",
     ) -> None:
         run.check_single()
         check(run)
+        super().__init__(artifacts)
         self.run, self._frames, self._cmd_vel = run, frames or FrameOptions(), cmd_vel
-        self.artifacts, self._has_evidence = artifacts, False
-        self._watching: tuple[RunRecorder, RunAccount] | None = None  # for the page
-        self._recording = recording
+        self._listener, self._recording = listener or TrialListener(), recording
+        self._evidence: Evidence | None = None
         self.truth = Truth()
         self.domain = 0
         self._pending = Tick(0, ()), Tick(0, ())  # of the episode, and what listeners get of it
@@ -105,45 +101,17 @@ class Trial:
             self._at_end = at_end.pop_all()
         return self
 
-    def __exit__(self, _: object, error: BaseException | None, __: object) -> None:
-        with self._at_end:
-            if error is not None and (lines := self.keep_evidence(f"{type(error).__name__}: {error}")):
-                print(lines, file=sys.stderr)
-
-    def keep_evidence(self, reason: str) -> str:
-        """Keeps in `artifacts` what `keep` does, once, with the first line of the reason of the failure.
-
-        Returns:
-            Where it is, in a line each, or why it is not; nothing if there is nothing to keep, or it was
-            kept already.
-        """
-        folder, self.artifacts = self.artifacts, None
-        if folder is None or not self._has_evidence:
-            return ""
-        try:
-            kept = self.keep(folder, next(iter(reason.splitlines()), "an exception"))
-        except (HarnessError, OSError) as error:
-            return f"nothing could be kept of this trial: {error}"
-        return "\n".join(f"kept: {path}" for path in kept)
-
     def keep(self, folder: Path, reason: str) -> tuple[Path, ...]:
         """Ends the recording, puts it and a page about the last episode into a folder."""
-        assert self._watching is not None  # noqa: S101 - as `keep_evidence` makes sure
+        assert self._evidence is not None  # noqa: S101 - as `keep_evidence` makes sure
         assert self._recording is not None  # noqa: S101
-        page, account = self._watching
-        return keep_evidence(account.ended(), page, folder / PAGE, reason, [self._recording.end()])
-
-    def _watch_anew(self) -> None:
-        """Has the page be about the episode that begins."""
-        begun = RunResult(run=self.run, mode="a trial of harness.testing", info=self.info)
-        account = RunAccount(begun, time.monotonic(), None, self._rover.topics, int)
-        self._watching = RunRecorder(), account
+        return self._evidence.keep(folder, reason, self._recording)
 
     def _start(self, at_end: ExitStack) -> None:
         stay_local()
         self.domain = at_end.enter_context(reserved_domain())
         self._programs = at_end.enter_context(Programs(self.domain, self._when))
-        self._begin_programs(self._programs)
+        self._listener.begin_programs(self._programs)
         self._episode = Episode(self.run, frame_options=self._frames)
         self.info = self._episode.info
         no_handlers, args = SignalHandlerOptions.NO, list(ON_SIMULATED_TIME)
@@ -153,9 +121,9 @@ class Trial:
         self._rover = rover = RoverNodes(self.run, 0, self._command, at_end, cmd_vel=self._cmd_vel)
         self.bridge, jumps = rover.bridge, rover.faults.disturbs_time
         self._ticks = drive_loop(self._batches(), (Route(rover.faults, self._take_tick, (self,)),))
-        if self.artifacts is not None and self._recording is None:
-            self._recording, self._has_evidence = Recording(), True
-            self._watch_anew()
+        if self.artifacts is not None:
+            self._recording = self._recording or Recording()
+            self._evidence, self._has_evidence = Evidence(self.bridge, self.run, self.info), True
         if self._recording is not None:
             at_end.enter_context(self._recording).tap(self.bridge)
         if self._episode.description is not None:
@@ -165,16 +133,6 @@ class Trial:
         self.executor = at_end.enter_context(executor)
         self.executor.add_node(self.bridge)
         self.nodes = Nodes(self.bridge, self.executor, self._programs, time_jumps=jumps)
-
-    def _begin_programs(self, programs: Programs) -> None:
-        """Starts what takes its time while the world is built."""
-
-    def _before_tick(self) -> None:
-        """Called before each tick is made."""
-
-    def _hears_more(self) -> bool:
-        """Looks what else has turned up that is to be heard; whether more is heard since."""
-        return False
 
     @property
     def episode(self) -> Episode:
@@ -224,7 +182,7 @@ class Trial:
         if node is None:  # another process's answer does not prove that its publishers are known
             spin_until_quiet(self.executor, self._publishers, QUIET, DISCOVERY_PATIENCE)
         is_anew = self._hears_anew(self.bridge.commands.look_around)
-        if self._hears_more() or is_anew:
+        if self._listener.joined() or is_anew:
             self.nodes.renew()
 
     def _hears_anew(self, look: Callable[[], bool]) -> bool:
@@ -337,7 +295,7 @@ class Trial:
         commands = self.bridge.commands
         if commands.is_late and self._hears_anew(commands.begin):
             self.nodes.renew()
-        self._before_tick()
+        self._listener.before_tick()
         if next(self._ticks, None) is None:
             return False
         self._programs.check()
@@ -345,8 +303,7 @@ class Trial:
         self.bridge.advance(*self._pending, listeners=self.nodes.subjects)
         if self.now_ns % LOOK_PERIOD_NS == 0:
             commands.look_around()
-            if self._hears_more():
-                self.nodes.renew()
+        self._listener.after_tick()
         return True
 
     def _take_tick(self, tick: Tick, sent: Tick) -> None:
@@ -354,11 +311,13 @@ class Trial:
         self.now_ns, self.clock_ns = tick.stamp_ns, sent.stamp_ns
         if (truth := tick.of(GroundTruth)) is not None:
             self.speed = truth.linear_velocity[0]
+        self._listener.tick(tick, sent)
 
     def take(self, batch: Batch) -> None:
         """Takes account of a batch whose ticks have been published; what `drive_loop` calls."""
-        for observer in self._watching or ():
-            observer.take(batch)
+        self._listener.take(batch)
+        if self._evidence is not None:
+            self._evidence.take(batch)
 
     def _command(self, twist: Twist) -> None:
         self._episode.command(twist)
@@ -374,8 +333,8 @@ class Trial:
                 episode, began_ns = self._episode, self.now_ns
                 batches, self.info = episode.batches(), episode.info
                 self._rover.begin_anew(self.run)
-                if self._watching is not None:
-                    self._watch_anew()
+                if self._evidence is not None:
+                    self._evidence = Evidence(self.bridge, self.run, self.info)
 
     def _next(self, batches: Iterator[Batch]) -> Batch | None:
         try:
