@@ -49,20 +49,20 @@ def _main(options: argparse.Namespace) -> int:
     with needing_ros():
         from harness.ros.commander import commander  # noqa: PLC0415 - see needing_ros
     with StopRequest() as stop, commander(space, options.cmd_vel) as out, _keyboard() as pressed:
+        publisher, command = out
         keys = f"{HELP}, held, also two at once; any other key stops, {QUIT} ends"
-        print(f"{out.topic}: {keys}", flush=True)  # also into a pipe, before the first key
+        print(f"{publisher.topic_name}: {keys}", flush=True)  # also into a pipe, before the first key
 
         def send(forward: float, left: float) -> None:
-            out.send(forward * options.speed, left * options.turn)
+            command(forward * options.speed, left * options.turn)
 
         with suppress(Overdue), stop.deferred():
-            _drive(pressed, send, out.is_heard, stop)
-        out.end()
+            _drive(pressed, send, publisher.get_subscription_count, stop)
     return stop.exit_code
 
 
 def _drive(
-    pressed: Callable[[float], str | None], send: Send, is_heard: Callable[[], bool], stop: StopRequest
+    pressed: Callable[[float], str | None], send: Send, listeners: Callable[[], int], stop: StopRequest
 ) -> None:
     """Sends what keys say until one of them, or a signal, ends it."""
     keys, moving, look_at = Keys(), False, time.monotonic() + LOOK
@@ -81,7 +81,7 @@ def _drive(
         moving = share != STANDING
         if time.monotonic() > look_at:
             look_at = float("inf")
-            if not is_heard():
+            if not listeners():
                 complain("harness.teleop", "nobody listens yet; run --driver cmd_vel --rate 1 does")
 
 

@@ -76,11 +76,12 @@ def _two_way(quantity: Compared, name: str) -> Sheet:
         return cell_name(tuple(p for p in cell.values if p[0] != name)) or "all", cell_name(own)
 
     compared = [(row, row.difference) for row in quantity.rows if row.difference is not None]
+    means = {row.cell.values: row.summary.mean for row in quantity.rows}
     others = {split(row.cell)[1] for row, _ in compared}
     rows = (
         {
             "within": split(row.cell)[0] + ("" if len(others) == 1 else f": {split(row.cell)[1]}"),
-            split(row.reference)[1]: number(_mean_of(quantity, row.reference)),
+            split(row.reference)[1]: number(means[row.reference.values]),
             next(iter(others)) if len(others) == 1 else "other": number(row.summary.mean),
             "difference": number(difference.difference),
             "95 % interval": interval_text(difference.interval),
@@ -92,10 +93,6 @@ def _two_way(quantity: Compared, name: str) -> Sheet:
         for row, difference in compared
     )
     return Sheet.of(rows, quantity.heading, spare=SPARE)
-
-
-def _mean_of(quantity: Compared, cell: Cell) -> float | None:
-    return next(row.summary.mean for row in quantity.rows if row.cell is cell)
 
 
 def latex_of(several: Sequence[Comparisons]) -> str:

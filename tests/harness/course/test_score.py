@@ -12,7 +12,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from harness.course.planner import Planner
 from harness.course.referee import Drive, Referee
-from harness.course.score import penalty, score
+from harness.course.result import penalty, score
 from harness.course.summary import difference, mean_of, summarise
 from harness.course.task import Rule, Task
 from harness.episode.assembly import world_of
