@@ -5,7 +5,7 @@ as the recorded one was driven, and compares yaw rate, speed and currents.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from functools import partial
 
 import numpy as np
@@ -36,15 +36,6 @@ SETTLING, MEASURED = 0.7, 1.3  # [s] of ours, whose commands act at once
 LIGHT = 0.02  # [m], or of a load: less does not matter
 VAGUE_KINDS = "steady driving of more kinds is missing"
 NEVER_HELD = f"one command held for {SETTLED + LENGTH:g} s is missing"
-
-
-@dataclass(frozen=True, eq=False)
-class Ground:
-    """What the ground does: estimates, and ours beside the kinds of steady driving, before and after."""
-
-    estimates: tuple[Estimate, ...]
-    before: Steady
-    after: Steady
 
 
 def track(some: Steady, ours: Steady) -> Estimate:
@@ -91,8 +82,10 @@ def blanks(rover: RoverSpec, some: Steady) -> tuple[list[Estimate], list[Estimat
     return free, unknown
 
 
-def ground(rover: RoverSpec, some: Steady, like: Steady, workers: Workers, show: Show) -> Ground:
-    """Returns what the ground does.
+def ground(
+    rover: RoverSpec, some: Steady, like: Steady, workers: Workers, show: Show
+) -> tuple[tuple[Estimate, ...], Steady, Steady]:
+    """Returns what the ground does, and ours beside the kinds of steady driving, before and after.
 
     Args:
         rover: With real actuators, where the search begins.
@@ -115,7 +108,7 @@ def ground(rover: RoverSpec, some: Steady, like: Steady, workers: Workers, show:
         unknown += vague
     known = estimates if free else []
     after = driven(with_values(rover, [(one.key, one.after) for one in known]), like)
-    return Ground((track(some, before), *known, *unknown), before, after)
+    return (track(some, before), *known, *unknown), before, after
 
 
 def _search(

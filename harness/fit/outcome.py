@@ -8,7 +8,7 @@ import numpy as np
 from harness.base.errors import UsageError
 from harness.base.workers import Show, Workers
 from harness.fit.estimate import Estimate, fitted
-from harness.fit.ground import UNITS, Ground, differences, ground
+from harness.fit.ground import UNITS, differences, ground
 from harness.fit.motors import motors
 from harness.fit.mount import mount
 from harness.fit.response import difference, response
@@ -33,7 +33,7 @@ class Outcome:
         rover, fitted: Before and after.
         estimates: All that was sought.
         recording: What was fitted to.
-        like, ground: Kinds of steady driving, and ours beside them.
+        like, ours: Kinds of steady driving, and ours beside them, before and after.
         residuals: Root mean squares of ours less the recorded, before and after, by quantity and unit.
         held: Shares of their lengths by which held-back steps ended elsewhere, before and after.
     """
@@ -43,7 +43,7 @@ class Outcome:
     estimates: tuple[Estimate, ...]
     recording: Recording
     like: Steady
-    ground: Ground
+    ours: tuple[Steady, Steady]
     residuals: Mapping[tuple[str, str], Pair]
     held: tuple[np.ndarray, np.ndarray]
 
@@ -66,22 +66,23 @@ def fit(rover: RoverSpec, whole: Recording, workers: Workers, show: Show) -> Out
     near = fitted(rover, [*first, *constants])
     some = steady(_drawn(recording, near))
     like = kinds(some)
-    fitted_ground = ground(near, some, like, workers, show)
-    loaded = fitted(near, fitted_ground.estimates)
+    found, before, after = ground(near, some, like, workers, show)
+    loaded = fitted(near, found)
     second = response(rover, recording, loaded)
-    estimates = (*second, *fitted_ground.estimates, *constants)
+    estimates = (*second, *found, *constants)
     if not any(one.is_known for one in estimates):
         reasons = "; ".join(dict.fromkeys(one.why for one in estimates))
         raise UsageError(f"{whole.name} tells nothing: {reasons}")
     best = fitted(loaded, second)
     was, now = (_rms(difference(one, recording)) for one in (rover, best))
     pairs = {("speed of the sides", "m/s"): (was, now)}
-    before, after = (differences(ours, like) for ours in (fitted_ground.before, fitted_ground.after))
+    off, left = (differences(ours, like) for ours in (before, after))
     for name, unit in UNITS.items():
-        if np.isfinite(after[name]).any():
-            pairs[name.replace("_", " "), unit] = _rms(before[name]), _rms(after[name])
+        if np.isfinite(left[name]).any():
+            pairs[name.replace("_", " "), unit] = _rms(off[name]), _rms(left[name])
     ends = [step_ends(one, held) if held is not None else np.empty(0) for one in (rover, best)]
-    return Outcome(rover, best, estimates, recording, like, fitted_ground, pairs, (ends[0], ends[1]))
+    beside = like, (before, after)
+    return Outcome(rover, best, estimates, recording, *beside, pairs, (ends[0], ends[1]))
 
 
 def split(whole: Recording) -> tuple[Recording, Recording | None]:

@@ -91,10 +91,7 @@ def _steady(outcome: Outcome) -> list[Plot]:
             continue
         ends = [float(real[known].min()), float(real[known].max())]
         data = [line("as recorded", ends, ends, INK, dash="dash", width=1)]
-        for label, ours, color in (
-            ("before", outcome.ground.before, SCAN),
-            ("after", outcome.ground.after, METRIC),
-        ):
+        for label, ours, color in zip(("before", "after"), outcome.ours, (SCAN, METRIC), strict=True):
             marker = {"color": color, "size": 8, "symbol": "circle"}
             marks = line(label, real[known], getattr(ours, name)[known], color)
             data.append(marks | {"mode": "markers", "marker": marker})

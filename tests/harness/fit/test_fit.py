@@ -482,9 +482,7 @@ def test_what_is_too_vague_widens_the_intervals_of_what_was_found_together_with_
     some = replace(
         true, left_current=true.left_current + errors, right_current=true.right_current + errors
     )
-    found = {
-        one.key: one for one in ground(HUSKY, some, some, workers_of("local", jobs=1), Mock()).estimates
-    }
+    found = {one.key: one for one in ground(HUSKY, some, some, workers_of("local", jobs=1), Mock())[0]}
     rolling, friction = found["tyres.rolling"], found["tyres.friction"]
     assert "too vague" in rolling.why
     assert 0.05 < friction.after - 0.8 < 1.1 * friction.half  # it has taken on what rolling would be
