@@ -79,8 +79,9 @@ def test_a_run_leaves_all_of_it_in_one_folder_and_says_what_went_wrong(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("harness.view.drawing.artist", raises(UsageError("no OpenGL here")))
-    hit = ["--direct", "--terrain", "posts", "--driver", "straight", "--duration", "20", "--out"]
-    assert main([*hit, str(tmp_path / "a")]) == 0
+    hit = ["--direct", "--terrain", "posts", "--driver", "straight", "--duration", "5", "--out"]
+    near = ["--start", "2.5,0"]
+    assert main([*hit, str(tmp_path / "a"), *near]) == 0
     told = capsys.readouterr().out.splitlines()
     (log,) = (tmp_path / "a").glob("*.csv")
     assert {path.name for path in log.parent.iterdir()} == {
@@ -90,13 +91,13 @@ def test_a_run_leaves_all_of_it_in_one_folder_and_says_what_went_wrong(
     assert wrong.startswith("hit ")
     assert f"<strong>H{wrong[1:]}</strong>" in log.with_suffix(".html").read_text()
     assert told[-3:-1] == [f"page: {log.with_suffix('.html')}", "there is no picture: no OpenGL here"]
-    recorded = ["--record", str(tmp_path / "b" / "run.mcap")]
+    recorded = [*near, "--record", str(tmp_path / "b" / "run.mcap")]
     assert main([*hit, str(tmp_path / "b"), "--fail-on", "hazard", *recorded]) == 1
     assert without_progress(capsys.readouterr().err) == [f"harness.run: {wrong}"]
     assert (tmp_path / "b" / "run.mcap").is_file()
     (manifest,) = (tmp_path / "b").glob("*.json")
     assert json.loads(manifest.read_text())["outcome"] == {"status": "failed", "reason": wrong}
-    fleet = ["--rover", "leo:a,driver=spin,x=-6,y=6", "--rover", "leo:b,x=0,y=0"]
+    fleet = ["--rover", "leo:a,driver=spin,x=-6,y=6", "--rover", "leo:b,x=2.5,y=0"]
     assert main([*hit, str(tmp_path / "e"), "--fail-on", "hazard", *fleet]) == 1  # for the second
     (said,) = without_progress(capsys.readouterr().err)
     assert said.startswith("harness.run: hit ")

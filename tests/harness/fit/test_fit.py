@@ -201,8 +201,9 @@ def test_a_series_in_other_units_or_with_another_sign_is_one_line(
         assert read([csv], HUSKY, {}).problems == ()
 
 
-@pytest.mark.parametrize(("delay", "lag"), [(0.006, 0.06), (0.055, 0.13), (0.118, 0.071)])
-@pytest.mark.parametrize("robot", ["husky", "leo"])
+@pytest.mark.parametrize(
+    ("robot", "delay", "lag"), [("husky", 0.006, 0.06), ("leo", 0.055, 0.13), ("husky", 0.118, 0.071)]
+)
 def test_a_response_under_a_load_that_is_known_is_that_of_the_controller_alone(
     robot: str, delay: float, lag: float
 ) -> None:
