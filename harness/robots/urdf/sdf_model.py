@@ -15,6 +15,7 @@ from harness.base.sdf.poses import IDENTITY, Frames, Transform, read_pose
 from harness.base.sdf.reader import is_true, numbers, text_of
 from harness.base.sdf.resources import Resources
 from harness.base.sdf.scopes import Call, Scopes, framed
+from harness.base.xml import parse_xml
 from harness.robots.urdf.equipment import SIDE_JOINT
 from harness.robots.urdf.joints import TRACKS
 
@@ -23,7 +24,9 @@ WORLD = "world"  # as the parent of a joint
 OLD = [1, 4]  # the version up to which axes are in the model's frame
 Of = TypeVar("Of", "Link", "Joint")
 TWO_AXES = "universal", "revolute2"
-CROSS = "0.01", "1e-5"  # [kg], [kg m^2] of what is between their axes, in which SDF has no link
+CROSS = parse_xml(  # of what is between their axes, where SDF has no link
+    b"<inertial><mass>0.01</mass><inertia><ixx>1e-5</ixx><iyy>1e-5</iyy><izz>1e-5</izz></inertia></inertial>"
+)
 USUAL = "1.6"  # the version of a file that does not tell
 
 
@@ -193,11 +196,7 @@ class _Reading:
             raise UsageError(f"joint '{name}' is '{element.get('type')}' without an <axis2>; add it")
         first, second = deepcopy(element), deepcopy(element)
         cross = Element("link", name=f"{name}_cross")
-        inertial = SubElement(cross, "inertial")
-        SubElement(inertial, "mass").text = CROSS[0]
-        moments = SubElement(inertial, "inertia")
-        for axes in ("ixx", "iyy", "izz"):
-            SubElement(moments, axes).text = CROSS[1]
+        cross.append(CROSS)
         pose, reference = read_pose(element, name)
         link = Link(cross, at @ frames.find(reference or child) @ pose, frames, at)
         _add(self._model.links, _joined(*names, f"{name}_cross"), link)

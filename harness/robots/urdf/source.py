@@ -23,7 +23,7 @@ from harness.base.mesh_file import MOST_BYTES as LARGEST
 from harness.base.sdf.scopes import ROOTS
 from harness.robots.model import keep_mujoco_quiet
 from harness.robots.strangers import COMMENT, parsed, read_text
-from harness.robots.urdf.sdf import urdf_of_sdf
+from harness.robots.urdf.sdf import AXES, urdf_of_sdf
 
 MUJOCO = (".stl", ".obj", ".msh")  # what its own decoders read
 MOST_FACES = 200_000  # that MuJoCo's decoder reads
@@ -231,7 +231,7 @@ def _implausible_inertia(link: ET.Element, path: Path) -> Iterator[str]:
         return
     name = link.get("name")
     try:
-        xx, yy, zz, xy, xz, yz = (float(inertia.get(f"i{axes}", "0")) for axes in _AXES)
+        xx, yy, zz, xy, xz, yz = (float(inertia.get(f"i{axes}", "0")) for axes in AXES)
         mass = float(link.find("inertial/mass").get("value", "0"))  # type: ignore[union-attr]  # None fails
     except (ValueError, AttributeError) as error:
         raise UsageError(
@@ -246,6 +246,3 @@ def _implausible_inertia(link: ET.Element, path: Path) -> Iterator[str]:
         raise UsageError(f"{path}: link '{name}' has {stated}; give numbers above 0")
     if moments[0] + moments[1] < moments[2]:
         yield f"link '{name}': no body has the inertia {moments.round(6).tolist()}; balanced"
-
-
-_AXES = ("xx", "yy", "zz", "xy", "xz", "yz")
