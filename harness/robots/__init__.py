@@ -12,7 +12,7 @@ from pathlib import Path
 from harness.base.errors import UsageError
 from harness.robots.content import MODELS_DIR
 from harness.robots.reading import read_rover
-from harness.robots.sections import Drive, FrameRow, Mount, Tyres
+from harness.robots.sections import FrameRow, Tyres
 from harness.robots.spec import RoverSpec
 from rover_metrics.errors import sibling
 
@@ -21,9 +21,7 @@ __all__ = [
     "MODELS_DIR",
     "REAL",
     "ROVERS",
-    "Drive",
     "FrameRow",
-    "Mount",
     "RoverSpec",
     "equipped",
     "find_rover",
