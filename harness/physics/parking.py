@@ -27,18 +27,16 @@ class ParkingHold:
         model: Freshly compiled; is changed in place.
         joints: Names of the wheel joints; each has a motor.
         parked: The first wheels of the model's parked rovers, shared by all of them, who are made before
-            one of them holds; None for a rover that is alone.
+            one of them holds.
 
     Attributes:
         held: Whether the rover is parked.
     """
 
-    def __init__(
-        self, model: mujoco.MjModel, joints: tuple[str, ...], parked: set[str] | None = None
-    ) -> None:
+    def __init__(self, model: mujoco.MjModel, joints: tuple[str, ...], parked: set[str]) -> None:
         self._model, self._name = model, joints[0]
         # Not the rovers themselves: in a circle their model would outlive them until it is looked for.
-        self._all_parked = set[str]() if parked is None else parked
+        self._all_parked = parked
         self._dofs = np.array([int(model.joint(name).dofadr[0]) for name in joints])
         own = model.dof_frictionloss[self._dofs]
         self._driving = (model.opt.impratio, own, model.dof_solimp[self._dofs])

@@ -51,15 +51,15 @@ class Obstacle:
     color: Color | None = None  # how a file says that it looks
 
 
-def surface(kind: ObstacleKind, points: NDArray[np.float64], faces: NDArray[np.int64]) -> Obstacle:
-    """Returns triangles that are seen and not touched.
+def surface(points: NDArray[np.float64], faces: NDArray[np.int64]) -> Obstacle:
+    """Returns triangles of a deck that are seen and not touched.
 
     Args:
-        kind: What it is.
         points: Corners in the world [m], shape (n, 3).
         faces: Their numbers, shape (f, 3).
     """
-    return replace(convex(kind, points), shape="surface", faces=tuple(map(tuple, faces.tolist())))
+    hull = convex(ObstacleKind.DECK, points)
+    return replace(hull, shape="surface", faces=tuple(map(tuple, faces.tolist())))
 
 
 def convex(kind: ObstacleKind, points: NDArray[np.float64]) -> Obstacle:

@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.physics.world_geoms import SOIL_ROOM, TERRAIN, heights_of
+from harness.physics.world_geoms import OBSTACLE_GROUP, SOIL_ROOM, TERRAIN, heights_of
 from harness.sensors.rays.obstacle_kernel import BOX, CAPSULE, CYLINDER, ELLIPSOID
 from harness.sensors.rays.triangle_kernel import build_tree
 
@@ -50,20 +50,12 @@ def heightfield_arrays(model: mujoco.MjModel) -> tuple[Floats, Floats, Integers,
     return heights, pyramid, levels, frame
 
 
-def obstacle_arrays(
-    model: mujoco.MjModel, group: int, others: Sequence[int]
-) -> tuple[Integers, Doubles]:
-    """Returns geoms that are no meshes, with kinds, and their sizes as cast_bundle takes them.
+def obstacle_arrays(model: mujoco.MjModel, others: Sequence[int]) -> tuple[Integers, Doubles]:
+    """Returns obstacles and other geoms, but for meshes, with kinds, and sizes, as cast_bundle has them.
 
-    Args:
-        model: The scene.
-        group: All geoms of which are taken.
-        others: Further geoms.
-
-    Raises:
-        ValueError: One of them is neither mesh, box, cylinder, capsule, ellipsoid nor sphere.
+    ValueError if one of them is neither mesh, box, cylinder, capsule, ellipsoid nor sphere.
     """
-    taken = (model.geom_group == group) | np.isin(np.arange(model.ngeom), others)
+    taken = (model.geom_group == OBSTACLE_GROUP) | np.isin(np.arange(model.ngeom), others)
     geoms = np.flatnonzero(taken & (model.geom_type != MESH))
     kinds, round_ = model.geom_type[geoms], model.geom_type[geoms] == SPHERE
     kinds[round_] = ELLIPSOID
@@ -79,12 +71,12 @@ def obstacle_arrays(
     return np.column_stack([geoms, kinds]).astype(np.int64), sizes
 
 
-def triangle_arrays(model: mujoco.MjModel, group: int) -> tuple[Doubles, Doubles] | None:
-    """Returns the meshes of a group as cast_triangles takes them; None without any.
+def triangle_arrays(model: mujoco.MjModel) -> tuple[Doubles, Doubles] | None:
+    """Returns the obstacles that are meshes as cast_triangles takes them; None without any.
 
     They must stand still: they are where they are when nothing has moved yet.
     """
-    geoms = np.flatnonzero((model.geom_group == group) & (model.geom_type == MESH))
+    geoms = np.flatnonzero((model.geom_group == OBSTACLE_GROUP) & (model.geom_type == MESH))
     if not geoms.size:
         return None
     data = mujoco.MjData(model)

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from harness.base.compiled import inlined, kernel, native
 from harness.base.passing import doubles, fill, filled, integers, layout, reader, singles, truths
 from harness.physics.c_functions import address_of
-from harness.physics.world_geoms import OBSTACLE_GROUP
 from harness.sensors.rays import arrays
 from harness.sensors.rays.cone_kernel import clear_ways
 from harness.sensors.rays.heightfield_kernel import cast_rays
@@ -59,8 +58,8 @@ class Surroundings:
 
     def __init__(self, model: mujoco.MjModel, others: Sequence[int] = ()) -> None:
         self.terrain = arrays.heightfield_arrays(model)
-        self.obstacles = arrays.obstacle_arrays(model, OBSTACLE_GROUP, others)
-        self.triangles = arrays.triangle_arrays(model, OBSTACLE_GROUP)
+        self.obstacles = arrays.obstacle_arrays(model, others)
+        self.triangles = arrays.triangle_arrays(model)
         self._moving, self._radii = arrays.moving_meshes(model, others), model.geom_rbound
         self.has_meshes = self.triangles is not None or bool(self._moving)
 

@@ -99,7 +99,7 @@ def _pieces(body: Mesh, kind: ObstacleKind, clearance: float, ground: Heightfiel
         and len(ceiling.faces) >= FEWEST
         and slab(ceiling, areas[is_ceiling], normals[is_ceiling]) is None
     ):
-        yield surface(ObstacleKind.DECK, ceiling.vertices, ceiling.faces)
+        yield surface(ceiling.vertices, ceiling.faces)
         chosen &= ~is_ceiling
     for value in np.unique(kinds[chosen]).tolist():
         alike = np.flatnonzero(chosen & (kinds == value))

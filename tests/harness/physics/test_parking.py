@@ -67,7 +67,7 @@ def test_a_model_that_is_stiffer_than_a_parked_rover_stays_so() -> None:
     leo = ROVERS["leo"]
     model = mujoco.MjModel.from_xml_path(str(leo.model_path))
     model.opt.impratio = 200.0
-    hold = ParkingHold(model, leo.wheel_joints)
+    hold = ParkingHold(model, leo.wheel_joints, set())
     for holds in (True, False):
         hold.hold(holds)
         assert model.opt.impratio == 200.0

@@ -155,7 +155,7 @@ def test_a_world_from_a_file_brings_its_place_gravity_friction_and_meshes() -> N
     red = (1.0, 0.0, 0.0, 1.0)
     obstacles = (
         replace(convex(ObstacleKind.HAZARD, corners), color=red),
-        surface(ObstacleKind.DECK, roof, np.array([[0, 1, 2], [1, 3, 2]])),
+        surface(roof, np.array([[0, 1, 2], [1, 3, 2]])),
     )
     ground = Heightfield(np.full((5, 5), -1.0), 2.0, (10.0, 2.0))
     world = World("w", ground, obstacles, 0, None, gravity=1.62, friction=0.25)

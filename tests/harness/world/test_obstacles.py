@@ -87,5 +87,5 @@ def test_a_hull_stands_in_the_middle_of_the_box_around_it_and_a_surface_has_its_
     assert (hull.position, hull.half_size) == ((2.0, 2.0, 6.5), (1.0, 2.0, 1.5))
     assert np.array(hull.corners) + hull.position == pytest.approx(points)
     assert (hull.kind, hull.shape, top(hull), bottom(hull)) == (ObstacleKind.ROCK, "convex", 8.0, 5.0)
-    seen = seen_only(ObstacleKind.DECK, points, np.array([[0, 1, 3], [1, 2, 3]]))
+    seen = seen_only(points, np.array([[0, 1, 3], [1, 2, 3]]))
     assert seen == replace(hull, kind=ObstacleKind.DECK, shape="surface", faces=((0, 1, 3), (1, 2, 3)))
