@@ -10,8 +10,8 @@ from harness.cli.flags import add_flags
 from harness.drivers import DRIVERS
 from harness.faults.lookup import describe_faults
 from harness.robots import ROVERS
-from harness.sensors.choice import kinds
 from harness.sensors.noise import PRESETS
+from harness.sensors.table import OPTIONAL
 from harness.spec.fleet import FORM as ROVER_FORM
 from harness.spec.fleet import KEYS
 from harness.spec.live import LiveOptions
@@ -36,7 +36,7 @@ def _choices() -> dict[str, str]:
         "robot": f"{', '.join(ROVERS)}, or a folder (docs/robots.md)",
         "driver": f"{', '.join(DRIVERS)}, or policy:FILE.npz (docs/gym.md)",
         "noise": f"sensor errors: {', '.join(PRESETS)}; {DEFAULT_NOISE} if not named; default: none",
-        "sensors": f"optional ones, NAME or NAME=PRESET: none, {', '.join(kinds())}, names in "
+        "sensors": f"optional ones, NAME or NAME=PRESET: none, {', '.join(OPTIONAL.shipped)}, names in "
         "rover.yaml (docs/sensors.md); default: those of rover.yaml",
     }
 

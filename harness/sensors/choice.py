@@ -15,14 +15,9 @@ from rover_metrics.plugins import FILE
 RESERVED = ("clock", "cmd_vel", "goal_pose", "map", "robot_description", "tf_static", "rover/metrics")
 
 
-def kinds() -> Mapping[str, SensorRow]:
-    """Returns the rows of the optional sensors that ship, by their names in --sensors."""
-    return table.OPTIONAL.shipped
-
-
 def by_default() -> tuple[SensorRow, ...]:
     """Returns all rows, the optional ones as they are with the defaults of their options."""
-    optional = (_carried(name, {"kind": name}, "by default") for name in kinds())
+    optional = (_carried(name, {"kind": name}, "by default") for name in table.OPTIONAL.shipped)
     return (*(row for row in table.SENSORS if row.options is None), *optional)
 
 
@@ -80,7 +75,7 @@ def _carried(name: str, entry: Mapping[str, Any], where: str) -> SensorRow:
     values = {"name": name, **entry}
     try:
         row = find_named("sensor", str(values.pop("kind")), table.OPTIONAL)
-        assert row.options is not None  # noqa: S101 - `kinds` has no others
+        assert row.options is not None  # noqa: S101 - OPTIONAL has no others
         if preset := values.get("preset", ""):
             values = _preset(str(preset), row.options.presets) | values
     except UsageError as error:

@@ -8,8 +8,8 @@ from typing import Any
 
 from harness.drivers import DRIVERS
 from harness.faults.kinds import OF_COMMANDS, OF_MOTORS, OF_SENSORS, OF_THE_CLOCK, OF_WHEELS
-from harness.sensors.choice import kinds
 from harness.sensors.noise import PRESETS
+from harness.sensors.table import OPTIONAL
 from harness.world.terrains import TERRAINS
 
 TABLE = Path(__file__).with_name("runs.txt")
@@ -195,7 +195,7 @@ def kind(column: str, value: str) -> str:
         return groups.get(column, {}).get(value, value)
     if sensor in ("cmd_vel", "motor.left", "motor.right", "wheel.front_left"):
         return "stream"
-    if sensor == "clock" or sensor in kinds():
+    if sensor == "clock" or sensor in OPTIONAL.shipped:
         return "clock" if sensor == "clock" else "optional"
     fault = next(kind for kind in OF_SENSORS if kind.name == name.partition("=")[0].partition("@")[0])
     return "values" if fault.of_values else "stream"
@@ -236,7 +236,7 @@ def missing_values() -> set[str]:
     return {
         *(set(TERRAINS) - of["terrain"]),
         *(set(DRIVERS) - of["driver"] - {"policy"}),
-        *(set(kinds()) - sensors),
+        *(set(OPTIONAL.shipped) - sensors),
         *(set(PRESETS) - of["noise"]),
         *(
             {kind.name for kind in (*OF_SENSORS, *OF_COMMANDS, *OF_MOTORS, *OF_WHEELS)}

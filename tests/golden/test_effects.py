@@ -23,8 +23,9 @@ from harness.robots.frames.rover_frames import RoverFrames, rover_frames
 from harness.robots.lidar import LidarSpec
 from harness.robots.sections import FrameRow
 from harness.sensors.base import EpisodeParts
-from harness.sensors.choice import chosen, kinds
+from harness.sensors.choice import chosen
 from harness.sensors.rays.bundle import Surroundings
+from harness.sensors.table import OPTIONAL
 from harness.soil.soils import Soil
 from harness.soil.wheel_force import STATE, wheel_force
 from harness.spec.actor import ActorOptions
@@ -112,7 +113,7 @@ def of_sensors() -> Iterator[str]:
     episode = Episode(Run.of(terrain="rocky", duration=0.05, seed=2, robot="leo", noise="hardware"))
     simulation, scene = episode.simulation, episode.simulation.scene
     surroundings = Surroundings(scene.model)
-    for kind, row in kinds().items():
+    for kind, row in OPTIONAL.shipped.items():
         if kind in ("battery", "camera"):  # of motors and pictures
             continue
         assert row.options is not None

@@ -4,9 +4,9 @@ import re
 from collections.abc import Iterator
 from inspect import cleandoc
 
-from harness.sensors.choice import by_default, kinds
+from harness.sensors.choice import by_default
 from harness.sensors.optional import SensorOptions
-from harness.sensors.table import SensorRow
+from harness.sensors.table import OPTIONAL, SensorRow
 from rover_metrics.sheet.render import markdown
 from rover_metrics.sheet.sheet import Sheet
 
@@ -26,7 +26,7 @@ def tables() -> str:
 
 def _topics(row: SensorRow) -> str:
     """Those that are always there, and those that an option brings."""
-    template = kinds()[str(row.fault)]
+    template = OPTIONAL.shipped[str(row.fault)]
     topics = [
         f"`/{row.fault}/{topic.name}` {topic.message_type.replace('/msg/', '/')}"
         for topic in template.topics

@@ -13,9 +13,9 @@ from harness.base.errors import UsageError
 from harness.robots import FrameRow, RoverSpec
 from harness.robots.frames.rover_frames import rover_frames
 from harness.sensors import table
-from harness.sensors.choice import chosen, kinds
+from harness.sensors.choice import chosen
 from harness.sensors.optional import SensorOptions
-from harness.sensors.table import SensorRow
+from harness.sensors.table import OPTIONAL, SensorRow
 from harness.spec.sensor import parse_choice
 from tests.support.rovers import LEO, ROVER_ZERO4WD
 
@@ -76,7 +76,7 @@ def test_those_of_rover_yaml_are_carried_unless_others_are_asked_for(
 
 
 def test_every_preset_is_valid_and_what_is_asked_for_wrongly_is_refused() -> None:
-    for kind, row in kinds().items():
+    for kind, row in OPTIONAL.shipped.items():
         assert row.options is not None
         for preset, values in row.options.presets.items():
             (made,) = carried((f"{kind}={preset}",)).values()
