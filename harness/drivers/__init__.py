@@ -6,7 +6,6 @@ from typing import Any
 
 from harness.base.errors import find_named
 from harness.drivers.base import OF_POLICY, Driver, TakesGoals
-from harness.samples import Sample
 from rover_metrics.plugins import Shipped, Table
 
 OF_A_DRIVER = ("summary", "senses", "command")
@@ -69,8 +68,3 @@ def takes_goals(name: str) -> bool:
 def goal_takers() -> str:
     """Returns the names of the drivers that take goals, for a message."""
     return ", ".join([*(name for name in SHIPPED if takes_goals(name)), f"{OF_POLICY}FILE"])
-
-
-def sensed_by(name: str) -> frozenset[type[Sample]]:
-    """Returns the samples that the driver of that name looks at; UsageError if there is none."""
-    return find_driver(name).senses

@@ -15,7 +15,7 @@ from pathlib import Path
 from harness.base.errors import RunFailed, UsageError
 from harness.base.interrupt import StopRequest
 from harness.base.sim_time import NANOSECONDS
-from harness.drivers import sensed_by
+from harness.drivers import find_driver
 from harness.episode.assembly import injector
 from harness.episode.batch import Batch
 from harness.episode.episode import Episode
@@ -26,7 +26,7 @@ from harness.episode.result import Outputs, RunAccount, RunResult, Show, TopicCo
 from harness.episode.stream import EpisodeStream
 from harness.episode.together import Together
 from harness.faults.injector import FaultInjector
-from harness.messages.sinks import sinks_of
+from harness.messages.sink import sinks_of
 from harness.robots.lidar import LidarSpec
 from harness.samples import Sample, Tick
 from harness.spec.ros import RosOptions
@@ -229,7 +229,7 @@ def run_unlogged(
         UsageError: The arguments are not valid.
     """
     started = time.monotonic()
-    episode = Episode(run, samples=samples | sensed_by(run.rover.driver))
+    episode = Episode(run, samples=samples | find_driver(run.rover.driver).senses)
     begun = RunResult(run=run, mode="without a log", info=episode.info)
     account = RunAccount(begun, started, None, dict, int)
     route = Route(FaultInjector((), run.seed), lambda *_: None, (*observers, account))

@@ -1,11 +1,15 @@
 """Where the messages of a run go besides its listeners: into a recording, to Foxglove."""
 
 from collections.abc import Callable
+from contextlib import ExitStack
 from typing import NamedTuple, Protocol
 
+from harness.base.errors import UsageError
 from harness.sensors.table import Topic
+from harness.spec.ros import RosOptions
 
 KEEP_LAST, RELIABLE, BEST_EFFORT, VOLATILE, TRANSIENT_LOCAL = 1, 1, 2, 2, 1  # as rmw counts them
+INSTALL = "install it with pip install 'rover-harness[foxglove]'"
 
 
 class Endpoint(NamedTuple):
@@ -60,3 +64,23 @@ class Sink(Protocol):
     def open(self, endpoint: Endpoint) -> Intake:
         """Returns where the messages of a topic go."""
         ...
+
+
+def sinks_of(options: RosOptions, at_end: ExitStack) -> list[Sink]:
+    """Opens the recording and serves Foxglove, if options ask for them, until `at_end` closes them.
+
+    Raises:
+        UsageError: One cannot be opened.
+    """
+    sinks: list[Sink] = []
+    if options.record is not None:
+        from harness.messages.recorder import Recorder  # noqa: PLC0415 - most runs record nothing
+
+        sinks.append(at_end.enter_context(Recorder(options.record, overwrite=options.overwrite)))
+    if options.foxglove is not None:
+        try:
+            from harness.messages.foxglove import Foxglove  # noqa: PLC0415 - its extra may be missing
+        except ModuleNotFoundError as error:
+            raise UsageError(f"--foxglove: {error}; {INSTALL}") from error
+        sinks.append(at_end.enter_context(Foxglove(options.foxglove)))
+    return sinks

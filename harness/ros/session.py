@@ -21,7 +21,7 @@ from harness.episode.helm import Helm
 from harness.episode.loop import Pacer, Route, drive
 from harness.episode.result import Outputs, RunAccount, RunResult, Show
 from harness.episode.stream import EpisodeStream
-from harness.messages.sinks import sinks_of
+from harness.messages.sink import sinks_of
 from harness.ros.bridge import SECOND_PUBLISHER, Listener
 from harness.ros.context import (
     NOTICED,

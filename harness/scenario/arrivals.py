@@ -1,4 +1,7 @@
-"""What was heard of topics, and what their quantities were over time."""
+"""What was heard of topics, and what their quantities were over time.
+
+They are of messages, or of the poses and maps in them, which the truth judges.
+"""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -10,7 +13,10 @@ from numpy.typing import NDArray
 from harness.base.errors import unknown
 from harness.base.message_types import numbers_at
 from harness.base.sim_time import NANOSECONDS
-from harness.scenario.names import OF_TOPICS, HeardQuantity
+from harness.episode.assembly import graded_world
+from harness.scenario import maps, poses
+from harness.scenario.case import Case
+from harness.scenario.names import MAP, OF_TOPICS, POSE, HeardQuantity, heard_quantity
 from harness.scenario.series import Series
 from rover_metrics.topics import stamp_ns
 
@@ -60,6 +66,43 @@ class Arrivals:
             self.read_values += self.read(message)
         for path in self.paths:
             self.numbers.setdefault(path, []).append(numbers_at(message, path))
+
+
+def readers(names: Iterable[str]) -> dict[str, Reader]:
+    """Returns the Reader of each topic of which these quantities need something."""
+    readers: dict[str, Reader] = {}
+    for name in names:
+        if (pose := heard_quantity(name, POSE)) is not None:
+            readers |= dict.fromkeys(pose.topics, Reader(poses.TYPES, poses.rows_of))
+        if (grid := heard_quantity(name, MAP)) is not None:
+            readers[grid.topic] = Reader(maps.TYPES, maps.grids_of)
+    return readers
+
+
+def heard_series(
+    case: Case, heard: Mapping[str, Arrivals], known: Iterable[str], path: poses.TruePath, end_ns: int
+) -> dict[str, Series]:
+    """Returns the quantities of topics over time of which a scenario expects or measures something.
+
+    Args:
+        case: The run.
+        heard: What has arrived on each topic.
+        known: All topics that somebody publishes.
+        path: The true poses.
+        end_ns: When the run ended, since its start.
+    """
+    series: dict[str, Series] = {}
+    read = {topic: arrivals.read_values for topic, arrivals in heard.items()}
+    for name in case.scenario.quantities:
+        if (pose := heard_quantity(name, POSE)) is not None:
+            series[name] = poses.pose_series(pose, read, path)
+        if (grid := heard_quantity(name, MAP)) is not None:
+            truth = graded_world(case.run)  # kept
+            series[name] = maps.map_series(grid, read.get(grid.topic, ()), truth)
+    for name, bound in case.scenario.measured:
+        if (quantity := heard_quantity(name)) is not None:
+            series[bound.label(name)] = topic_series(quantity, bound.of, heard, known, end_ns)
+    return series
 
 
 def topic_series(

@@ -14,8 +14,7 @@ from harness.ros.bridge import Bridge
 from harness.ros.commands import RCLError
 from harness.ros.foreign_type import forget_missing_definition
 from harness.ros.topic_monitor import PLUMBING, message_class, offered_quality
-from harness.scenario.arrivals import Arrivals
-from harness.scenario.judged import readers
+from harness.scenario.arrivals import Arrivals, readers
 from harness.scenario.names import AGE, HeardQuantity, check_messages, heard_quantity
 from harness.scenario.spec import Scenario
 

@@ -26,8 +26,8 @@ from harness.episode.direct import LoggedRun
 from harness.episode.result import RunResult, TopicCount
 from harness.ros.remote import counted_by
 from harness.samples import Tick
+from harness.scenario.arrivals import heard_series
 from harness.scenario.case import SCRATCH, Case, plan
-from harness.scenario.judged import heard_series
 from harness.scenario.steps import PauseEvent
 from harness.scenario.subscriptions import Subscriptions
 from harness.scenario.verdict import Attempt

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from harness.base.errors import UsageError
-from harness.drivers import DRIVERS, find_driver, sensed_by, takes_goals
+from harness.drivers import DRIVERS, find_driver, takes_goals
 from harness.drivers.base import DriverContext, Observation
 from harness.drivers.point_nav import SENSED, commanded
 from harness.drivers.policy import BESIDE_LIDAR, Policy, read_policy, write_policy
@@ -99,7 +99,7 @@ def test_a_rover_that_steers_gets_a_policys_command_as_in_its_environment(
 
 def test_drivers_say_what_they_look_at_and_whether_they_take_goals(policy: Path) -> None:
     names = (f"policy:{policy}", "goal", "spin")
-    assert [sensed_by(name) for name in names] == [SENSED, {LaserScan}, set()]
+    assert [find_driver(name).senses for name in names] == [SENSED, {LaserScan}, set()]
     assert [takes_goals(name) for name in names] == [True, True, False]
 
 

@@ -8,7 +8,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from harness.base.errors import UsageError
-from harness.drivers import sensed_by
+from harness.drivers import find_driver
 from harness.drivers.point_nav import observed
 from harness.drivers.policy import Policy, write_policy
 from harness.episode.episode import Episode
@@ -193,5 +193,7 @@ def test_a_policy_drives_the_same_path_in_the_environment_and_as_driver(
     episode = Episode(run)
     assert [episode.simulation.data.qpos.tolist() for _ in episode.batches()] == driven
     assert math.dist(driven[0][:2], driven[-1][:2]) > 0.02  # it does not just stand
-    plain = Episode(run, samples=sensed_by(run.rover.driver))  # as a run without a log reads them
+    plain = Episode(
+        run, samples=find_driver(run.rover.driver).senses
+    )  # as a run without a log reads them
     assert [plain.simulation.data.qpos.tolist() for _ in plain.batches()] == driven
