@@ -21,30 +21,21 @@ OPTIONS = {
     "rate": "times real time, or max",
     "log_dir": "folder for the CSV",
 }
+FURTHER = {
+    "extended": "true logs the extended columns too",
+    "params_file": "YAML of metrics_node's parameters",
+    "namespace": "of all topics but /clock",
+    "python": "interpreter that has the harness",
+}
 
 
 def generate_launch_description() -> LaunchDescription:
-    return LaunchDescription(
-        [
-            *(
-                DeclareLaunchArgument(name, default_value=NOT_GIVEN, description=description)
-                for name, description in OPTIONS.items()
-            ),
-            DeclareLaunchArgument(
-                "extended", default_value="false", description="true logs the extended columns too"
-            ),
-            DeclareLaunchArgument(
-                "params_file", default_value=NOT_GIVEN, description="YAML of metrics_node's parameters"
-            ),
-            DeclareLaunchArgument(
-                "namespace", default_value=NOT_GIVEN, description="of all topics but /clock"
-            ),
-            DeclareLaunchArgument(
-                "python", default_value=_python(), description="interpreter that has the harness"
-            ),
-            OpaqueFunction(function=_harness),
-        ]
-    )
+    given = {"extended": "false", "python": _python()}
+    arguments = [
+        DeclareLaunchArgument(name, default_value=given.get(name, NOT_GIVEN), description=about)
+        for name, about in {**OPTIONS, **FURTHER}.items()
+    ]
+    return LaunchDescription([*arguments, OpaqueFunction(function=_harness)])
 
 
 def _python() -> str:

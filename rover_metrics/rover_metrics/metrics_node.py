@@ -5,7 +5,6 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict
 from datetime import datetime
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -131,11 +130,7 @@ class MetricsNode(GuardedNode):
 
     def setup_subscribers(self) -> None:
         """Subscribes to the topics, relative to the node's namespace."""
-        queue = self.settings.pose_queue
-        self._listening = {
-            each: Listening(self, each, partial(self.take, each), self.reception, pose_queue=queue)
-            for each in sources_of(self.session)
-        }
+        self._listening = {each: Listening(self, each) for each in sources_of(self.session)}
         self.topics = {source: each.topic for source, each in self._listening.items()}
 
     def take(self, source: Source, message: Message) -> None:

@@ -15,10 +15,10 @@ from rclpy.qos import (
 )
 from rclpy.subscription import Subscription
 
-from rover_metrics.health.reception import LOST, NOT_HEARD, Reception
+from rover_metrics.health.reception import LOST, NOT_HEARD
 from rover_metrics.ros.decoding import READERS, decoded
 from rover_metrics.ros.parameters import BEST_EFFORT, RELIABLE, declare_reliability
-from rover_metrics.topics import ENERGY, SENSORS, TRUTH, Message, Source
+from rover_metrics.topics import ENERGY, SENSORS, TRUTH, Source
 
 try:
     from rclpy.event_handler import SubscriptionEventCallbacks, UnsupportedEventTypeError
@@ -53,42 +53,33 @@ def keep_last(depth: int, reliability: str = RELIABLE, *, latched: bool = False)
 
 
 class Listening:
-    """A topic that a node listens to; its account in the reception is opened.
+    """A topic that a metrics_node listens to; its account in the node's reception is opened.
 
     Args:
-        node: Who listens.
+        node: Takes each message, and counts those that were lost and publishers that are not heard.
         source: The topic. Its name is relative to the node's namespace; its reliability is what the
             standard ROS parameter says, if it is set.
-        callback: Is given each message.
-        reception: Counts messages that were lost and publishers that are not heard.
-        pose_queue: How many messages of a topic that is best effort, as poses are, may wait.
 
     Attributes:
         topic: The resolved name.
     """
 
-    def __init__(
-        self,
-        node: Node,
-        source: Source,
-        callback: Callable[[Message], None],
-        reception: Reception,
-        *,
-        pose_queue: int = 1,
-    ) -> None:
+    def __init__(self, node: Node, source: Source) -> None:
         self._node, self._name = node, source.name.lstrip("/")
+        reception, take = node.reception, partial(node.take, source)
         self.topic: str = node.resolve_topic_name(self._name)
         wished = BEST_EFFORT if source.best_effort else RELIABLE
         parameter, reliability = declare_reliability(node, self.topic, wished)
         reception.listen(self.topic, may_be_missing=source not in SENSORS)
-        self._qos = keep_last(pose_queue if source.best_effort else QUEUE, reliability)
+        queue = node.settings.pose_queue if source.best_effort else QUEUE  # poses are
+        self._qos = keep_last(queue, reliability)
         self._type = kind = _MESSAGES[source.message_type]
 
         def hear(data: bytes) -> None:
-            callback(decoded(source.message_type, kind, data))
+            take(decoded(source.message_type, kind, data))
 
         self._is_raw = source.message_type in READERS
-        self._handler = hear if self._is_raw else callback
+        self._handler = hear if self._is_raw else take
         self._events = SubscriptionEventCallbacks(
             incompatible_qos=lambda event: reception.remark(
                 self.topic, NOT_HEARD, detail=_mend(event, reliability, parameter)

@@ -11,6 +11,7 @@ from rclpy.event_handler import UnsupportedEventTypeError
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import LaserScan
 
+from rover_metrics.extended.settings import Settings
 from rover_metrics.health.reception import LOST, NOT_HEARD, Reception
 from rover_metrics.ros.subscriptions import Listening
 from rover_metrics.topics import SENSORS, TRUTH
@@ -49,7 +50,8 @@ class Subscriber:
     """A node of which only the subscribing is real enough; it may refuse events."""
 
     def __init__(self, *, tells_lost: bool) -> None:
-        self.tells_lost = tells_lost
+        self.tells_lost, self.take = tells_lost, print
+        self.reception, self.settings = Reception(print), Settings()
         self.events: list[Any] = []
 
     def resolve_topic_name(self, name: str) -> str:
@@ -67,13 +69,13 @@ class Subscriber:
 
 
 def test_lost_messages_are_counted_where_the_middleware_tells_of_them() -> None:
-    node, reception = Subscriber(tells_lost=True), Reception(print)
-    Listening(node, SENSORS[0], print, reception)
+    node = Subscriber(tells_lost=True)
+    Listening(node, SENSORS[0])
     for total, new in ((3, 3), (5, 2)):
         node.events[0].message_lost(SimpleNamespace(total_count=total, total_count_change=new))
-    assert reception.remarks["/scan"][LOST] == 5
+    assert node.reception.remarks["/scan"][LOST] == 5
     node = Subscriber(tells_lost=False)  # is listened to all the same
-    assert Listening(node, SENSORS[0], print, Reception(print)).topic == "/scan"
+    assert Listening(node, SENSORS[0]).topic == "/scan"
     assert node.events == [None]
 
 
