@@ -44,22 +44,20 @@ def _map(
         if any(middle)
         else "the middle"
     )
-    collided, touched, near = collisions(log, track), contacts(track), meetings(track)
+    collided, near = collisions(log, track), meetings(track)
     placed, rover = recorder.last_scan, find_rover(result.rover.robot)
     figure = map_figure(
         world,
         hillshade,
         track,
         collisions=collided,
-        contacts=touched,
-        meetings=near,
         others=others,
         scan=np.empty((0, 2)) if placed is None else scan_points(placed, rover),
         gravity=gravity_of(run),
     )
     summary = (
         f"Path of {result.truth.path_length:.1f} m with {len(collided)} places where the metrics "
-        f"counted collisions and {len(touched)} where the rover touched a hazard."
+        f"counted collisions and {len(contacts(track))} where the rover touched a hazard."
         + (f" People were near {len(near)} times." if world.people else "")
     )
     caption = (

@@ -10,7 +10,7 @@ from harness.page import figure as fig
 from harness.page.figure import DASHES, INK, Trace, line, numbers
 from harness.page.run.encounters import Encounter, encounters
 from harness.page.run.hillshade import Hillshade, map_layout
-from harness.page.run.log import Event
+from harness.page.run.log import Event, contacts, meetings
 from harness.page.run.recorder import Stretch
 from harness.page.run.soil import ruts
 from harness.samples import Vector3
@@ -52,14 +52,12 @@ def roughness(track: Sequence[Stretch], gravity: float) -> list[float]:
     return values
 
 
-def map_figure(  # noqa: PLR0913 - all that there is to be seen
+def map_figure(
     world: World,
     hillshade: Hillshade,
     track: Sequence[Stretch],
     *,
     collisions: Sequence[Event],
-    contacts: Sequence[Event],
-    meetings: Sequence[Event] = (),
     others: Mapping[str, Sequence[Stretch]] = MappingProxyType({}),
     scan: Points,
     gravity: float,
@@ -71,13 +69,11 @@ def map_figure(  # noqa: PLR0913 - all that there is to be seen
         hillshade: Its ground as a picture.
         track: What was recorded.
         collisions: What the metrics counted.
-        contacts: What really happened.
-        meetings: When people were near.
         others: What was recorded of other rovers, by name.
         scan: Where the beams of the last scan ended [m].
         gravity: Of the run [m/s^2].
     """
-    track = _known(track)
+    touched, near, track = contacts(track), meetings(track), _known(track)
     seen = [stretch.people for stretch in track if stretch.people]
     people = {actor.name: [places[n] for places in seen] for n, actor in enumerate(world.people)}
     rovers = {name: [one.position for one in _known(other)] for name, other in others.items()}
@@ -90,9 +86,9 @@ def map_figure(  # noqa: PLR0913 - all that there is to be seen
         *_path(track, gravity),
         *_ends(track),
         _encounters(encounters(track), world.people),
-        _events(meetings, NEAR, "circle-open", PERSON),
+        _events(near, NEAR, "circle-open", PERSON),
         _events(collisions, "collision (metric)", "diamond-open", fig.METRIC),
-        _events(contacts, "contact with a hazard (truth)", "x-thin-open", fig.TRUTH),
+        _events(touched, "contact with a hazard (truth)", "x-thin-open", fig.TRUTH),
     ]
     layout = map_layout(world.ground, hillshade, track)
     return {"data": [trace for trace in data if trace["x"]], "layout": layout}

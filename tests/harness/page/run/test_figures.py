@@ -87,7 +87,7 @@ def test_the_map_shows_a_square_around_the_path_and_no_more_than_there_is(
 def test_the_map_of_a_run_that_diverged_shows_the_terrain() -> None:
     world, lost = build_world("flat", seed=0), Stretch(1.0, (math.nan, 0.0, 0.0), 0.0)
     scan, relief = np.empty((0, 2)), shade(world.ground)
-    figure = map_figure(world, relief, [lost], collisions=(), contacts=(), scan=scan, gravity=9.81)
+    figure = map_figure(world, relief, [lost], collisions=(), scan=scan, gravity=9.81)
     assert figure["data"] == []
     assert figure["layout"]["xaxis"]["range"] == [-20.0, 20.0]
 
