@@ -119,8 +119,10 @@ class GoldenRun:
 
     @property
     def duration(self) -> float:
-        """Simulated seconds: enough for an encounter to come about, and for one after another."""
-        return 7.0 if self.mission in ("meet", "done") else 5.0 if self.driver in STAGED else 3.0
+        """Simulated seconds: enough for an encounter, one after another, and what is due after two."""
+        if self.mission in ("meet", "done") or self.driver in STAGED:
+            return 5.0 if self.mission == NONE else 7.0
+        return 2.4 if self.mission == NONE and "@2" not in self.fault and self.reset != "2.6" else 3.0
 
     @property
     def is_read(self) -> bool:
