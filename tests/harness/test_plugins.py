@@ -18,7 +18,6 @@ from rover_metrics.errors import run_program
 from rover_metrics.plugins import KINDS, PluginError, Table
 from tests.support.complaint import complaint
 from tests.support.documents import ROOT
-from tests.support.once import made_once
 from tests.support.rovers import LEO
 
 PACKAGE = ROOT / "examples/plugin"
@@ -59,19 +58,6 @@ print(list(terms), abs(reward - sum(terms.values())) < 1e-9, seen["heading"].sha
 """
 
 
-@pytest.fixture(scope="module")
-def surroundings(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, str]:
-    """The environment of a process in which the package is installed."""
-    pip = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--no-build-isolation"]
-
-    def installed() -> str:
-        folder = str(tmp_path_factory.mktemp("installed"))
-        subprocess.run([*pip, "--target", folder, str(PACKAGE)], check=True)
-        return folder
-
-    return os.environ | {"PYTHONPATH": made_once(tmp_path_factory, "plugin", installed)}
-
-
 def said(code: str, surroundings: Mapping[str, str]) -> str:
     """What a program says."""
     words = [sys.executable, "-c", code]
@@ -105,12 +91,21 @@ def test_a_part_without_a_word_about_it_is_listed_by_its_name_and_one_without_ef
     assert "rover_harness.robot is no table, so nothing has 'bare' of bare 1, 'other' of" in lines
 
 
-def test_an_installed_package_adds_to_each_table_and_a_file_gives_the_same_bytes(
-    surroundings: Mapping[str, str], tmp_path: Path
+def test_an_installed_package_is_there_for_runs_scenarios_and_environments_and_a_file_gives_the_same(
+    tmp_path: Path,
 ) -> None:
+    pip = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--no-build-isolation"]
+    subprocess.run([*pip, "--target", str(tmp_path / "package"), str(PACKAGE)], check=True)
     quick = ["--direct", "--duration", "2", "--log-dir"]
     words = [*INSTALLED.split(), *quick, str(tmp_path / "installed")]
-    listed = said(f"from harness.run import main; main(['--list']); main({words})", surroundings)
+    (scenario := tmp_path / "a.scenario.yaml").write_text(SCENARIO)
+    code = f"from harness.run import main; main(['--list']); main({words})\n"
+    code += f"from harness.scenario.__main__ import main; main([{str(scenario)!r}])"
+    has_gym = find_spec("gymnasium") is not None
+    surroundings = os.environ | {"PYTHONPATH": str(tmp_path / "package")}
+    listed = said(code + IN_GYM * has_gym, surroundings)
+    assert "1 of 1 scenario passed" in listed
+    assert ("['progress', 'tilt', 'effort'] True (2,) 20" in listed) == has_gym
     assert all(f" {kind}: " in listed for kind in KINDS)
     assert all(f" {kind}: {name}, " in listed for kind, name in NAMES.items())
     assert main([*OF_FILE.format(PARTS).split(), *quick, str(tmp_path / "file")]) == 0
@@ -131,18 +126,6 @@ def test_an_installed_package_adds_to_each_table_and_a_file_gives_the_same_bytes
             == 0
         )
         assert logged(folder)[1][f"sensors {sensor}"]["sha256"] == hashes[0]
-
-
-def test_scenarios_and_environments_take_plugins(
-    surroundings: Mapping[str, str], tmp_path: Path
-) -> None:
-    file = tmp_path / "a.scenario.yaml"
-    file.write_text(SCENARIO)
-    judging = f"from harness.scenario.__main__ import main; main([{str(file)!r}])"
-    has_gym = find_spec("gymnasium") is not None
-    told = said(judging + IN_GYM * has_gym, surroundings)
-    assert "1 of 1 scenario passed" in told
-    assert ("['progress', 'tilt', 'effort'] True (2,) 20" in told) == has_gym
 
 
 @pytest.mark.parametrize(
