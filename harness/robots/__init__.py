@@ -12,23 +12,9 @@ from pathlib import Path
 from harness.base.errors import UsageError
 from harness.robots.content import MODELS_DIR
 from harness.robots.reading import read_rover
-from harness.robots.sections import FrameRow, Tyres
-from harness.robots.spec import RoverSpec
+from harness.robots.sections import Tyres
+from harness.robots.spec import RoverSpec as RoverSpec
 from rover_metrics.errors import sibling
-
-__all__ = [
-    "IDEAL",
-    "MODELS_DIR",
-    "REAL",
-    "ROVERS",
-    "FrameRow",
-    "RoverSpec",
-    "equipped",
-    "find_rover",
-    "read_rover",
-    "robot_name",
-]
-
 
 IDEAL, REAL = "ideal", "real"  # what drives the wheels
 

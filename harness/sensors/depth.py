@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from harness.robots import FrameRow, RoverSpec
-from harness.robots.sections import Angles
+from harness.robots import RoverSpec
+from harness.robots.sections import Angles, FrameRow
 from harness.sensors.camera.lens import Pinhole
 from harness.sensors.ranging import RangeOptions
 from harness.spec.value import Length, NotNegative

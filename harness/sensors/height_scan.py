@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import model_validator
 
-from harness.robots import FrameRow, RoverSpec
+from harness.robots import RoverSpec
+from harness.robots.sections import FrameRow
 from harness.sensors.optional import Installation, OptionalSensor, Rate, SensorOptions
 from harness.spec.value import Length
 

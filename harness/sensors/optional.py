@@ -15,8 +15,8 @@ from pydantic import AfterValidator, ConfigDict
 
 from harness.base.errors import UsageError
 from harness.base.sim_time import period_ticks
-from harness.robots import FrameRow, RoverSpec
-from harness.robots.sections import Angles, Vector
+from harness.robots import RoverSpec
+from harness.robots.sections import Angles, FrameRow, Vector
 from harness.sensors.base import Sensor
 from harness.sensors.noise import NoisePreset
 from harness.spec.value import Value, checked

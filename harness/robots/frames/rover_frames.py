@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 
 from harness.base.errors import UsageError, find_named
 from harness.base.sdf.poses import transform
-from harness.robots import FrameRow, RoverSpec
+from harness.robots import RoverSpec
 from harness.robots.frames.tree import Edge, check_tree
 from harness.robots.measures import frame_name
 from harness.robots.model import ROOT_ID, compiled_alone
+from harness.robots.sections import FrameRow
 from harness.samples import Quaternion, Vector3
 
 Matrix = NDArray[np.float64]

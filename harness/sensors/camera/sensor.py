@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
-from harness.robots import FrameRow, RoverSpec
+from harness.robots import RoverSpec
+from harness.robots.sections import FrameRow
 from harness.samples import Quaternion, Vector3
 from harness.sensors.camera.lens import LENSES, Lens
 from harness.sensors.depth import OPTICAL_RPY, optical_frame

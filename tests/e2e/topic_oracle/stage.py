@@ -8,7 +8,8 @@ from shutil import copytree
 import numpy as np
 from numpy.typing import NDArray
 
-from harness.robots import MODELS_DIR, RoverSpec, find_rover
+from harness.robots import RoverSpec, find_rover
+from harness.robots.content import MODELS_DIR
 from harness.samples import Twist
 from harness.world.heightfield import Heightfield
 from harness.world.obstacles import Obstacle, ObstacleKind

@@ -9,7 +9,7 @@ import pytest
 from rich.table import Table
 
 from harness import robot, run
-from harness.robots import MODELS_DIR
+from harness.robots.content import MODELS_DIR
 from harness.scenario import __main__ as scenario
 from rover_metrics.sheet.console import PlainConsole
 

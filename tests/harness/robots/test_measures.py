@@ -6,8 +6,9 @@ from pathlib import Path
 import pytest
 
 from harness.base.errors import UsageError
-from harness.robots import ROVERS, RoverSpec, read_rover
+from harness.robots import ROVERS, RoverSpec
 from harness.robots.measures import Measures
+from harness.robots.reading import read_rover
 
 
 def wheel(

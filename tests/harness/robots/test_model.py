@@ -7,8 +7,9 @@ import pytest
 
 from harness.base.errors import UsageError
 from harness.physics.scene import build_scene
-from harness.robots import ROVERS, RoverSpec, read_rover
+from harness.robots import ROVERS, RoverSpec
 from harness.robots.model import compiled_alone, read_model
+from harness.robots.reading import read_rover
 from harness.world.world import build_world
 
 WHEEL = (

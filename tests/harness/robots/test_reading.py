@@ -10,8 +10,9 @@ import pytest
 from ruamel.yaml import YAML
 
 from harness.base.errors import UsageError
-from harness.robots import MODELS_DIR, ROVERS, RoverSpec, find_rover, read_rover, robot_name
-from harness.robots.content import model_hash
+from harness.robots import ROVERS, RoverSpec, find_rover, robot_name
+from harness.robots.content import MODELS_DIR, model_hash
+from harness.robots.reading import read_rover
 from harness.robots.spec import schema
 
 Foreign = Callable[[str], RoverSpec]

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from harness.robots import MODELS_DIR, ROVERS
+from harness.robots import ROVERS
+from harness.robots.content import MODELS_DIR
 from tests.support.rovers import LEO
 
 NUMBER = re.compile(r"(?<![\w.])[-±]?\d+(?:\.\d+)?(?:e-?\d+)?")

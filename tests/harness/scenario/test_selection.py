@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from harness.base.errors import UsageError
-from harness.robots import MODELS_DIR
+from harness.robots.content import MODELS_DIR
 from harness.scenario.case import find_files, plan
 from harness.spec.run import Run
 from tests.harness.scenario.conftest import MakeCases, cases_with

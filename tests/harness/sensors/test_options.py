@@ -10,8 +10,9 @@ import pytest
 from ruamel.yaml import YAML
 
 from harness.base.errors import UsageError
-from harness.robots import FrameRow, RoverSpec
+from harness.robots import RoverSpec
 from harness.robots.frames.rover_frames import rover_frames
+from harness.robots.sections import FrameRow
 from harness.sensors import table
 from harness.sensors.choice import chosen
 from harness.sensors.optional import SensorOptions

@@ -11,7 +11,8 @@ import pytest
 
 from harness.physics.scene import Scene
 from harness.physics.simulation import Simulation
-from harness.robots import MODELS_DIR, ROVERS, RoverSpec
+from harness.robots import ROVERS, RoverSpec
+from harness.robots.content import MODELS_DIR
 from harness.robots.sections import OPEN, Span
 from harness.validate import climbing, driving, rig, stability, suite
 from harness.validate.check import Check, around, at_most

@@ -9,9 +9,11 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from harness.base.errors import UsageError
-from harness.robots import MODELS_DIR, FrameRow, RoverSpec
+from harness.robots import RoverSpec
+from harness.robots.content import MODELS_DIR
 from harness.robots.frames.rover_frames import rover_frames
 from harness.robots.frames.tree import check_tree
+from harness.robots.sections import FrameRow
 from tests.harness.robots.frames.made_rover import made_rover
 from tests.support.rovers import LEO, ROVER_ZERO4WD
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from harness.robot import main
-from harness.robots import read_rover
+from harness.robots.reading import read_rover
 from harness.robots.urdf.templates import TEMPLATES
 from harness.validate.checkup import check_up
 from tests.support.complaint import complaint

@@ -13,9 +13,10 @@ import trimesh
 from harness import robot as command
 from harness.base.errors import UsageError
 from harness.base.mesh import Mesh
-from harness.robots import RoverSpec, read_rover
+from harness.robots import RoverSpec
 from harness.robots.frames.rover_frames import rover_frames
 from harness.robots.model import read_model
+from harness.robots.reading import read_rover
 from harness.robots.urdf.folder import Written, write_folder
 from harness.run import main
 from harness.sensors.choice import chosen
