@@ -6,7 +6,6 @@ full to empty, and by the battery's own resistance times its current.
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +15,6 @@ from harness.base.sim_time import NANOSECONDS, TICK
 from harness.robots import RoverSpec
 from harness.sensors.optional import Installation, OptionalSensor, SensorOptions
 from harness.spec.value import Length, Share
-
-if TYPE_CHECKING:  # the table of sensors does without MuJoCo
-    from harness.physics.simulation import Simulation
 
 HOUR = 3600.0  # [s]
 
@@ -62,11 +58,8 @@ class BatteryOptions(SensorOptions):
 class BatterySensor(OptionalSensor[BatteryOptions]):
     """Adds up what the motors of a rover take, whose actuators are real."""
 
-    def __init__(
-        self, simulation: "Simulation", installation: Installation[BatteryOptions], period_ticks: int
-    ) -> None:
-        super().__init__(simulation, installation, period_ticks)
-        rover, options = simulation.scene.rover, installation.options
+    def _begin(self, installation: Installation[BatteryOptions]) -> None:
+        rover, options = self._simulation.scene.rover, installation.options
         options.check(rover)
         assert rover.battery is not None  # noqa: S101 - checked
         self._pack, self._ends_run = rover.battery, options.ends_run
@@ -75,7 +68,7 @@ class BatterySensor(OptionalSensor[BatteryOptions]):
         # Here, for the table of sensors does without MuJoCo.
         from harness.physics.motor_power import MotorPower  # noqa: PLC0415
 
-        self._motors = MotorPower(simulation)
+        self._motors = MotorPower(self._simulation)
         self._currents, self._power, self._ticks = np.zeros(2), 0.0, 0
 
     def observe(self, sums: NDArray[np.float64]) -> None:

@@ -1,16 +1,13 @@
 """What sensors on a chip share: a reading of the datum, with errors of a preset or of --noise."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, ClassVar, TypeVar, Unpack
+from typing import ClassVar, TypeVar, Unpack
 
 from pydantic import ConfigDict
 
 from harness.sensors.corruption import AxisErrors, AxisTriad
 from harness.sensors.noise import HARDWARE
 from harness.sensors.optional import Installation, OptionalSensor, SensorOptions
-
-if TYPE_CHECKING:  # the table of sensors does without MuJoCo
-    from harness.physics.simulation import Simulation
 
 NO_ERRORS = "none"
 
@@ -41,10 +38,7 @@ Chip = TypeVar("Chip", bound=ChipOptions, covariant=True)  # noqa: PLC0105 - the
 class ChipSensor(OptionalSensor[Chip]):
     """A sensor with three equal axes, or with one, whose readings depend on where the datum is."""
 
-    def __init__(
-        self, simulation: "Simulation", installation: Installation[Chip], period_ticks: int
-    ) -> None:
-        super().__init__(simulation, installation, period_ticks)
+    def _begin(self, installation: Installation[Chip]) -> None:
         options, noise = installation.options, installation.noise
         by_noise = options.hardware if noise is not None and noise.name == HARDWARE.name else NO_ERRORS
         self._options, self._datum = options, installation.datum

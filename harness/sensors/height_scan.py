@@ -8,7 +8,7 @@ import math
 from collections.abc import Mapping
 from copy import copy
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Final, Literal, Self
+from typing import ClassVar, Final, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,9 +18,6 @@ from harness.robots import RoverSpec
 from harness.robots.sections import FrameRow
 from harness.sensors.optional import Installation, OptionalSensor, Rate, SensorOptions
 from harness.spec.value import Length
-
-if TYPE_CHECKING:  # the table of sensors does without MuJoCo
-    from harness.physics.simulation import Simulation
 
 ROVER: Final = "rover"  # ahead and left of the rover
 WORLD: Final = "world"  # x and y of the world
@@ -90,10 +87,7 @@ class HeightScanSensor(OptionalSensor[HeightScanOptions]):
 
     sees_ground = True
 
-    def __init__(
-        self, simulation: "Simulation", installation: Installation[HeightScanOptions], period_ticks: int
-    ) -> None:
-        super().__init__(simulation, installation, period_ticks)
+    def _begin(self, installation: Installation[HeightScanOptions]) -> None:
         from harness.physics.world_geoms import OBSTACLE_GROUP  # noqa: PLC0415 - loads MuJoCo
 
         options = installation.options
@@ -101,9 +95,9 @@ class HeightScanSensor(OptionalSensor[HeightScanOptions]):
         middles = ((np.arange(n) - 0.5 * (n - 1)) * options.resolution for n in options.cells)
         self._along, self._across = np.meshgrid(*middles, indexing="ij")
         self._reach = float(np.hypot(self._along, self._across).max())
-        self._model = simulation.model
-        if others := simulation.scene.others():  # they are met as obstacles are, even if transparent
-            self._model = copy(simulation.model)
+        self._model = self._simulation.model
+        if others := self._simulation.scene.others():  # met as obstacles are, even if transparent
+            self._model = copy(self._model)
             self._model.geom_group[others], self._model.geom_matid[others] = OBSTACLE_GROUP, -1
             self._model.geom_rgba[others, 3] = 1.0
         self._obstacles = np.flatnonzero(self._model.geom_group == OBSTACLE_GROUP)

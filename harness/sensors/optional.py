@@ -126,6 +126,10 @@ class OptionalSensor(Sensor, Generic[Given]):
     ) -> None:
         super().__init__(simulation, period_ticks)
         self.name, self._mount = installation.options.name, installation.mount
+        self._begin(installation)
+
+    def _begin(self, installation: Installation[Given]) -> None:
+        """Takes what its kind needs of the installation, beside name and mount."""
 
     def pose(self) -> NDArray[np.float64]:
         """Returns where the sensor is now: its origin [m] and below it R_world_sensor, shape (4, 3)."""

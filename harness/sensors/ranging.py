@@ -5,7 +5,7 @@ Importing this loads neither MuJoCo nor compiled kernels: options are checked be
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Self
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +14,6 @@ from pydantic import model_validator
 from harness.sensors.corruption import RangeErrors
 from harness.sensors.optional import Installation, OptionalSensor, SensorOptions
 from harness.spec.value import Length, NotNegative
-
-if TYPE_CHECKING:  # the table of sensors does without MuJoCo
-    from harness.physics.simulation import Simulation
 
 MOST_RAYS = 500_000  # in a reading
 
@@ -73,10 +70,7 @@ class RangeSensor(OptionalSensor[RangeOptions]):
 
     sees_ground = True
 
-    def __init__(
-        self, simulation: "Simulation", installation: Installation[RangeOptions], period_ticks: int
-    ) -> None:
-        super().__init__(simulation, installation, period_ticks)
+    def _begin(self, installation: Installation[RangeOptions]) -> None:
         from harness.sensors.rays.bundle import RayBundle  # noqa: PLC0415 - loads kernels
 
         options = installation.options
