@@ -93,7 +93,7 @@ def run_direct(
         batches = stream.batches()
         if helm is not None:
             helm.metered = logged
-            batches = helm.steered(batches, [r.give for r in stream.rovers], lambda: stream.next_ns)
+            batches = helm.steered(stream)
         pacer = Pacer(options.rate, sleep=stop.sleep) if helm is None else helm
         why = _driven(drive(batches, routes, stop, stream.hasten), pacer, stop)
         recording = options.record if options.record is not None and options.record.exists() else None

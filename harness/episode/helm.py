@@ -6,9 +6,8 @@ written as the plan of another run, which then gives the same bytes.
 
 import time
 from collections import deque
-from collections.abc import Callable, Generator, Iterator, Sequence
 from functools import partial
-from typing import NamedTuple, Protocol, TypeVar
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from harness.base.interrupt import NAP, StopRequest
 from harness.base.sim_time import NANOSECONDS
@@ -18,7 +17,11 @@ from harness.spec.run import Run
 from rover_metrics.core.columns import Row
 from rover_metrics.core.thresholds import Thresholds
 
-Period = TypeVar("Period")
+if TYPE_CHECKING:
+    from collections.abc import Callable, Generator, Sequence
+
+    from harness.episode.batch import Batch
+    from harness.episode.stream import EpisodeStream, RoverOrders
 
 
 class Order(NamedTuple):
@@ -90,7 +93,6 @@ class Helm(Pacer):
         held_s: Wall time for which it has stood still [s].
         metered: The metrics of each rover, once the run has begun.
         given: All orders that were followed.
-        is_shared: Whether the rovers have been ordered by others as well.
     """
 
     def __init__(self, rate: float | None, stop: StopRequest) -> None:
@@ -99,7 +101,7 @@ class Helm(Pacer):
         self.idle: Callable[[], object] = partial(stop.sleep, NAP)
         self.metered: Sequence[Metered] = ()
         self.given: list[Given] = []
-        self.is_shared: Callable[[], bool] = bool
+        self._rovers: Sequence[RoverOrders] = ()
         self._stop, self._steps, self._judged = stop, 0, False
         self._orders = deque[tuple[int, Order]]()
         self._thresholds: dict[int, Thresholds] = {}
@@ -147,25 +149,15 @@ class Helm(Pacer):
         self._hold()
         self.wait_until(simulation_ns)
 
-    def steered(
-        self,
-        batches: Iterator[Period],
-        rovers: Sequence[Callable[[Order], object]],
-        now_ns: Callable[[], int | None],
-    ) -> Generator[Period]:
-        """Yields the batches of each control period; between two of them, orders are followed.
-
-        Args:
-            batches: Of the run.
-            rovers: Take the orders of each rover.
-            now_ns: When what is ordered now comes into effect [ns]; None for never.
-        """
-        self._hand_on(rovers, now_ns())
+    def steered(self, stream: "EpisodeStream") -> "Generator[tuple[Batch, ...]]":
+        """Yields the batches of a run's control periods; between two of them, orders are followed."""
+        self._rovers = stream.rovers
+        self._hand_on(stream.next_ns)
         self.begin()
-        for period in batches:
+        for period in stream.batches():
             yield period
             self._hold()
-            self._hand_on(rovers, now_ns())
+            self._hand_on(stream.next_ns)
 
     def driven(self, run: Run) -> Run:
         """Returns the run as it was driven: with all that was ordered of its rover in its plan."""
@@ -191,7 +183,8 @@ class Helm(Pacer):
             return ""
         is_sent = any(each.order.goal is not None for each in self.given)
         is_refused = is_sent and (run.rover.goal_area or run.plan.route) is not None
-        unplanned = self._judged or self.is_shared() or is_refused
+        by_others = any(rover.is_shared for rover in self._rovers)
+        unplanned = self._judged or by_others or is_refused
         repeats = len(run.rovers) == 1 and not unplanned
         return f", steered by hand: its arguments {'repeat' if repeats else 'do not repeat'} it"
 
@@ -206,7 +199,8 @@ class Helm(Pacer):
         self.held_s += held
         self.postpone(held)
 
-    def _hand_on(self, rovers: Sequence[Callable[[Order], object]], at_ns: int | None) -> None:
+    def _hand_on(self, at_ns: int | None) -> None:
+        """Orders what comes into effect at a time [ns]; None for never."""
         self._judged |= bool(self._thresholds)
         for number, thresholds in self._thresholds.copy().items():
             self.metered[number].use(thresholds)
@@ -218,5 +212,5 @@ class Helm(Pacer):
             merged[number] = merged.get(number, Order()).then(order)
         if at_ns is not None:
             for number, order in merged.items():
-                rovers[number](order)
+                self._rovers[number].give(order)
                 self.given.append(Given(at_ns, number, order))

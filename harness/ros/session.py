@@ -185,13 +185,11 @@ class _Session:
 
     def _batches(self, helm: Helm | None) -> Generator[tuple[Batch, ...]]:
         """The batches of each control period, between which a helm's orders are handed on."""
-        source = self._source
         if helm is None:
-            return source.batches()
+            return self._source.batches()
         helm.metered = [rover.hosted for rover in self.rovers if rover.hosted is not None]
-        helm.is_shared = lambda: any(rover.is_shared for rover in source.rovers)
         helm.idle = partial(self._executor.spin_once, timeout_sec=SPIN_TIMEOUT)
-        return helm.steered(source.batches(), [r.give for r in source.rovers], lambda: source.next_ns)
+        return helm.steered(self._source)
 
     def _routes(self, accounts: Sequence[RunAccount]) -> list[Route]:
         """Where the ticks and the batches of each rover go."""

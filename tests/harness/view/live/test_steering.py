@@ -6,6 +6,7 @@ from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -119,8 +120,10 @@ class Page(RuleBasedStateMachine):
         self.driven, self.wanted = ([Rover(each) for each in own] for _ in range(2))
         self.grips, self.judged = [Grip(), Grip()], [Thresholds(), Thresholds()]
         self.helm.metered = self.metered = [Metrics(), Metrics()]
-        followers = [rover.follow for rover in self.driven]
-        self.periods = self.helm.steered(iter(lambda: self.now, None), followers, lambda: 1)
+        followers = [SimpleNamespace(give=rover.follow, is_shared=False) for rover in self.driven]
+        batches = partial(iter, lambda: self.now, None)
+        stream: Any = SimpleNamespace(batches=batches, rovers=followers, next_ns=1)
+        self.periods = self.helm.steered(stream)
 
     @rule(number=EITHER, key=strategies.sampled_from(tuple(DIRECTIONS.values())))
     def press(self, number: int, key: tuple[str, float, float]) -> None:
