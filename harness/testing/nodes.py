@@ -84,12 +84,10 @@ class Nodes:
         self._connect()
 
     def _subject(self, name: str, node: object) -> Subject:
-        check, told = self._programs.check, self._programs.told
-        jumps = self._time_jumps
         try:
-            return Subject(name, self._bridge, node, check=check, told=told, time_jumps=jumps)
+            return Subject(name, self._bridge, self._programs, node, time_jumps=self._time_jumps)
         except HarnessError:
-            check()  # why it does not answer
+            self._programs.check()  # why it does not answer
             raise
 
     def _connect(self) -> None:

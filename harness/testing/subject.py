@@ -1,6 +1,6 @@
 """The node under test, hosted in this process or started as one of its own, and what is heard of it."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 
@@ -11,7 +11,7 @@ from harness.ros.bridge import Bridge
 from harness.ros.channel import Channel
 from harness.ros.context import SPIN_TIMEOUT, spin_until
 from harness.ros.remote import RemoteNode, wait_for_answers
-from harness.testing.process import EXIT_PATIENCE
+from harness.testing.process import EXIT_PATIENCE, Programs
 
 Message = TypeVar("Message")
 
@@ -25,9 +25,8 @@ class Subject(RemoteNode):
     Args:
         name: Its fully qualified name.
         bridge: What publishes to it.
+        programs: One of which it may be of: then it can answer no more when that has ended.
         node: The rclpy node if it is hosted; the bridge's executor spins it too.
-        check: Raises if it can answer no more; called while an answer is awaited.
-        told: Adds to a failure what is known beside it.
         time_jumps: Whether faults will set the clock back.
 
     Raises:
@@ -38,13 +37,12 @@ class Subject(RemoteNode):
         self,
         name: str,
         bridge: Bridge,
+        programs: Programs,
         node: Any = None,  # noqa: ANN401 - rclpy has no types
         *,
-        check: Callable[[], None] = lambda: None,
-        told: Callable[[str], str] = str,
         time_jumps: bool = False,
     ) -> None:
-        self.node, self._check, self._told, self._owes = node, check, told, False
+        self.node, self._programs, self._owes = node, programs, False
         super().__init__(name, bridge, time_jumps=time_jumps)
 
     def make_room(self, channels: Sequence[Channel]) -> None:  # noqa: ARG002 - all is waited for at once
@@ -73,17 +71,17 @@ class Subject(RemoteNode):
 
     def _wait(self) -> None:
         try:
-            wait_for_answers({self: self.ask()}, self._executor, self._check)
+            wait_for_answers({self: self.ask()}, self._executor, self._programs.check)
         except RunFailed as error:
-            self._check()  # which says more
+            self._programs.check()  # which says more
             if self.has_left():  # a program leaves the graph a moment before its exit code is known
                 spin_until(self._executor, self._still_runs, EXIT_PATIENCE)
-            raise RunFailed(self._told(str(error))) from error
+            raise RunFailed(self._programs.told(str(error))) from error
         self._owes = False
 
     def _still_runs(self) -> bool:
         """False; RunFailed, which says how it ended, if it can answer no more."""
-        self._check()
+        self._programs.check()
         return False
 
 
