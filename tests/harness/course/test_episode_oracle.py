@@ -29,7 +29,7 @@ from tests.harness.course.conftest import driven, witnessed
 
 EPISODES = [
     ("goal", "barn", 1), ("straight", "barn", 0), ("straight", "dynabarn", 0), ("straight", "rocky", 1),
-    ("goal", "rocky", 1), ("straight", "blind", 0), ("mppi", "mission", 0),
+    ("goal", "rocky", 1), ("straight", "blind", 0), ("gap", "mission", 0),
 ]  # fmt: skip
 
 
@@ -175,7 +175,7 @@ def test_movers_of_dynabarn_go_along_their_key_frames_over_and_over(seed: int, t
 
 
 def test_the_one_who_looks_gets_farther_on_a_mission() -> None:
-    (blind,), (looking,) = driven("straight", "mission"), driven("mppi", "mission")
+    (blind,), (looking,) = driven("straight", "mission"), driven("gap", "mission")
     assert (looking.of_goals, looking.goals, looking.is_success) == (3, 3, True)
     assert looking.score > blind.score == 0.0
     assert blind.goals < 3
