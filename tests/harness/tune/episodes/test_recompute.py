@@ -12,6 +12,7 @@ from harness.base.errors import Diverged, PluginFailed, RunFailed
 from harness.episode.batch import Batch
 from harness.episode.episode import Episode
 from harness.episode.metrics_feed import SampleFeed, extended_settings
+from harness.episode.together import Together
 from harness.robots.lidar import LidarSpec
 from harness.samples import LaserScan, Pose, Sample, Tick, Truth, TruthState
 from harness.spec.run import Run
@@ -132,7 +133,7 @@ def test_an_episode_is_kept_up_to_its_end_with_how_it_ended(
         if error is not None:
             raise error
 
-    monkeypatch.setattr(sweep, "together", scripted)
+    monkeypatch.setattr(Together, "batches", scripted)
     record = sweep.drive(Run.of(terrain="flat", duration=1.0))
     assert (record.ending, len(record.scans)) == (ending, scans)
 
