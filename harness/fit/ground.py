@@ -11,7 +11,7 @@ from functools import partial
 import numpy as np
 
 from harness.base.workers import Show, Workers, work_off
-from harness.fit.estimate import Estimate, minimise, of, slope, with_values
+from harness.fit.estimate import Estimate, Minimum, minimise, of, slope, with_values
 from harness.fit.steady import LENGTH, SETTLED, Steady, window
 from harness.robots import RoverSpec
 from harness.robots.model import compiled_alone
@@ -56,8 +56,8 @@ def _track(some: Steady) -> tuple[float, float]:
     return 1.0 / rate if rate else np.nan, half / rate**2 if rate else np.inf
 
 
-def blanks(rover: RoverSpec, some: Steady) -> tuple[list[Estimate], list[Estimate]]:
-    """Returns what can be sought, and what nothing shows and why."""
+def blanks(rover: RoverSpec, some: Steady) -> tuple[list[Estimate], list[Estimate], list[Estimate]]:
+    """Returns what can be sought, what acts but is not driven so that it shows, and what has no data."""
     nothing = {
         "poses are missing": not np.isfinite(some.ahead).any(),
         "currents or torques are missing": not np.isfinite(some.left_current).any(),
@@ -72,14 +72,17 @@ def blanks(rover: RoverSpec, some: Steady) -> tuple[list[Estimate], list[Estimat
         ("rolling resistance", "", "tyres.rolling", forces, some.is_straight, on),
         ("drag", "", "tyres.drag", poses, arcs, "arcs are missing"),
     )
-    free, unknown = list[Estimate](), list[Estimate]()
+    free, hidden, unknown = list[Estimate](), list[Estimate](), list[Estimate]()
     for name, unit, key, lack, windows, missing in table:
         scale = 0.0 if key in ("tyres.radius", "tyres.friction") else LIGHT
         one = Estimate(name, unit, key, of(rover, key), scale=scale)
-        why = lack if nothing[lack] else "" if windows.sum() > 1 else missing
-        why = why if some.left.size else NEVER_HELD
-        (unknown if why else free).append(one.unknown(why))
-    return free, unknown
+        if not some.left.size or nothing[lack]:
+            unknown.append(one.unknown(lack if some.left.size else NEVER_HELD))
+        elif windows.sum() > 1:
+            free.append(one)
+        else:
+            hidden.append(one.unknown(missing))
+    return free, hidden, unknown
 
 
 def ground(
@@ -94,19 +97,23 @@ def ground(
         workers: Do so, from several starts at once.
         show: Called with how many are done, and of how many.
     """
-    free, unknown = blanks(rover, some)
+    free, hidden, unknown = blanks(rover, some)
     before = driven(rover, like)
-    together: dict[str, Estimate] = {}
+    search = partial(_search, rover, some=some, like=like, workers=workers, show=show)
+    among = search([*free, *hidden]) if free and hidden else []  # for it takes some effect of the others
+    together: list[Estimate] = []
     while free:
-        estimates = _search(rover, free, some, like, workers, show)
-        estimates = [_as_wide(one, together.setdefault(one.key, one)) for one in estimates]
+        found = search(free)
+        together = together or found
+        estimates = [_as_wide(one, _named(one.key, together)) for one in found]
         vague = [one for one in estimates if not one.is_known]
         if not vague:
             break
         # The others again, for they were found together with what is not written.
         free = [one for one, sought in zip(free, estimates, strict=True) if sought.is_known]
         unknown += vague
-    known = estimates if free else []
+    known = [one.widened(_named(one.key, among or together)) for one in estimates] if free else []
+    unknown = [*hidden, *unknown]
     after = driven(with_values(rover, [(one.key, one.after) for one in known]), like)
     return (track(some, before), *known, *unknown), before, after
 
@@ -114,12 +121,12 @@ def ground(
 def _search(
     rover: RoverSpec, free: Sequence[Estimate], some: Steady, like: Steady, workers: Workers, show: Show
 ) -> list[Estimate]:
-    """What is free, with the values that explain the recorded windows best."""
+    """What is free, with the values that explain the recorded windows best, however vague."""
     keys, prior = [one.key for one in free], np.array([one.before for one in free])
     starts = [np.array([_begun(rover, some, share)[key] for key in keys]) for share in DRAGS]
-    solutions: dict[int, tuple[Series, Series, float]] = {}
+    solutions: dict[int, Minimum] = {}
 
-    def keep(number: int, outcome: tuple[Series, Series, float]) -> None:
+    def keep(number: int, outcome: Minimum) -> None:
         solutions[number] = outcome
         show(len(solutions), len(starts))
 
@@ -128,24 +135,29 @@ def _search(
         dict(enumerate(starts)), sought, workers, keep,
         name=lambda number: f"search {number}", mend="give fewer --jobs",
     )  # fmt: skip
-    best = min(solutions.values(), key=lambda one: one[2])
-    others = [one[0] for one in solutions.values() if one[2] <= ALIKE * best[2] + 1e-3]
-    halves = np.maximum(best[1], np.ptp(others, axis=0))
+    best = min(solutions.values(), key=lambda one: one.cost)
+    others = [one.point for one in solutions.values() if one.cost <= ALIKE * best.cost + 1e-3]
+    halves = np.maximum(best.halves, np.ptp(others, axis=0))
+    found = zip(best.point.tolist(), halves.tolist(), best.rough.tolist(), strict=True)
     return [
-        one.judged(value, half, VAGUE_KINDS)
-        for one, value, half in zip(free, best[0].tolist(), halves.tolist(), strict=True)
+        replace(one, after=value, half=half, rough=rough)
+        for one, (value, half, rough) in zip(free, found, strict=True)
     ]
+
+
+def _named(key: str, estimates: Sequence[Estimate]) -> Estimate:
+    return next(one for one in estimates if one.key == key)
 
 
 def _as_wide(alone: Estimate, together: Estimate) -> Estimate:
     """What was found without what is too vague, no more certain than what was found together with it."""
     half = max(alone.half, together.half, abs(alone.after - together.after))
-    return alone.judged(alone.after, half, VAGUE_KINDS) if alone.is_known else alone
+    return alone.judged(alone.after, half, VAGUE_KINDS)
 
 
 def _sought(
     rover: RoverSpec, like: Steady, keys: Sequence[str], prior: Series, start: Series
-) -> tuple[Series, Series, float]:
+) -> Minimum:
     is_radius = np.array(keys) == "tyres.radius"
     low, high = np.array([BOUNDS[key] for key in keys]).T * np.where(is_radius, prior, 1.0)
     steps = np.array([STEPS[key] for key in keys]) * np.where(is_radius, prior, 1.0)

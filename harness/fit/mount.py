@@ -87,7 +87,7 @@ def _aside(
     reach = np.array([np.pi, FAR, FAR, 3.0, 3.0])
     begins = [start + yaw * np.eye(5)[0] for yaw in (0.0, np.pi / 2, -np.pi / 2, np.pi - 0.01)]
     fits = [minimise(residuals, one, (start - reach, start + reach), np.full(5, 1e-4)) for one in begins]
-    values, halves, _ = min(fits, key=lambda fit: fit[2])
+    values, halves, *_ = min(fits, key=lambda fit: fit.cost)
     return [
         one.judged(value, half, "faster turns and starts are missing")
         for one, value, half in zip(blank, values.tolist(), halves.tolist(), strict=False)

@@ -67,7 +67,7 @@ def response(rover: RoverSpec, recording: Recording, loaded: RoverSpec | None = 
             obeys = np.abs(lost) < SPENT  # other wheels do what they can, whatever the controller wants
             return np.where(obeys, difference(ours, recording) - lost, 0.0) / TOLERANCE
 
-        values, halves, _ = minimise(residuals, values, (low, high), np.full(len(free), STEP))
+        values, halves, *_ = minimise(residuals, values, (low, high), np.full(len(free), STEP))
     fits = iter(zip(values.tolist(), np.hypot(halves, FINEST).tolist(), strict=True))
     lack = "changes of the command are too few"
     known = [one.judged(*next(fits), lack) if one.is_known else one for one in blank]
