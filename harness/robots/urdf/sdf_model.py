@@ -196,7 +196,7 @@ class _Reading:
             raise UsageError(f"joint '{name}' is '{element.get('type')}' without an <axis2>; add it")
         first, second = deepcopy(element), deepcopy(element)
         cross = Element("link", name=f"{name}_cross")
-        cross.append(CROSS)
+        cross.append(deepcopy(CROSS))
         pose, reference = read_pose(element, name)
         link = Link(cross, at @ frames.find(reference or child) @ pose, frames, at)
         _add(self._model.links, _joined(*names, f"{name}_cross"), link)
