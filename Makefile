@@ -6,7 +6,7 @@ RUNS := .venv/.runs
 # Says that all tests have been collected, which compiles them: else each process would, at the same time.
 COLLECTED := .venv/.collected
 # Processes of `make test`, on two cores: its tests wait, too; 0: its own only.
-JOBS ?= 4
+JOBS ?= 3
 # Where no bytecode may be kept, every process would compile the harness anew; it stays out of git.
 unexport PYTHONDONTWRITEBYTECODE
 
