@@ -93,7 +93,7 @@ class MetricsNode(GuardedNode):
             self.log = BufferedLog(
                 Path(self.settings.log_dir).expanduser(),
                 now(),
-                self.tell,
+                self._tell,
                 fsync=self.settings.fsync,
                 columns=self.session.columns,
             )
@@ -102,11 +102,11 @@ class MetricsNode(GuardedNode):
             raise
         self.last_row: Row | None = None
         self.in_lock_step = self.is_hosted = False
-        self.record = SessionRecord(self.get_fully_qualified_name(), now, self.tell)
+        self.record = SessionRecord(self.get_fully_qualified_name(), now, self._tell)
         self.record.begin(self.log.path)
         self._view = LiveView()
-        self.publisher = MetricsPublisher(self, self.tell, enabled=self.settings.publish_metrics)
-        self.timer = RowTimer(self)
+        self.publisher = MetricsPublisher(self, self._tell, enabled=self.settings.publish_metrics)
+        self.timer = RowTimer(self, self._each_second, self._tell, self.settings.stale_after)
         self.add_on_set_parameters_callback(self._use_parameters)
         self.create_service(Trigger, "~/received", self._report_received)
         self.create_service(SetBool, "~/lock_step", self._set_lock_step)
@@ -219,8 +219,7 @@ class MetricsNode(GuardedNode):
         remarks = self.reception.remarks
         return {source.name: remarks[topic][LOST] for source, topic in self.topics.items()}
 
-    def each_second(self) -> None:
-        """Writes a row, looks what has arrived, and publishes both."""
+    def _each_second(self) -> None:
         self.periodic_logging()
         follows_clock = self.get_parameter("use_sim_time").value
         clock = [self.resolve_topic_name("/clock")] if follows_clock else []
@@ -262,6 +261,7 @@ class MetricsNode(GuardedNode):
         self.metrics.thresholds = settings.thresholds
         self.log.fsync = settings.fsync
         self.publisher.enabled = settings.publish_metrics
+        self.timer.stale_after = settings.stale_after
         return SetParametersResult(successful=True)
 
     def _report_received(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:

@@ -52,7 +52,7 @@ class GuardedNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
 
     def __init__(self, name: str, **options: Any) -> None:  # noqa: ANN401 - rclpy's
         """Joins the graph; raises a ParameterError if the command line sets one to what it cannot be."""
-        self.reception, self.clocks = Reception(self.tell), 0
+        self.reception, self.clocks = Reception(self._tell), 0
         self._failing: Counter[str] = Counter()  # messages in a row on which a plug-in has failed
         try:
             super().__init__(name, **options)
@@ -97,7 +97,7 @@ class GuardedNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         """Leaves the graph, with a line for each topic and service of which something was left out."""
         for name, count in self.reception.rejected.items():
             if count > 1:  # one was reported
-                self.tell(f"{name}: {count} left out in all")
+                self._tell(f"{name}: {count} left out in all")
         super().destroy_node()
 
     def _hear(self, topic: str, callback: Handler, data: bytes, *, patience: int = IN_A_ROW) -> None:
@@ -137,8 +137,7 @@ class GuardedNode(Node):  # type: ignore[misc]  # rclpy has no types for mypy
         # The error's text is no counter's name: foreign messages could make them grow without end.
         self.reception.reject(name, f"fails with {type(error).__name__}", f": {_in_one_line(error)}")
 
-    def tell(self, line: str) -> None:
-        """Gives the user a line."""
+    def _tell(self, line: str) -> None:
         self.get_logger().warning(line)
 
 

@@ -1,6 +1,7 @@
 """Fires once per second of ROS time, whatever happens to the clock, and reports what happens to it."""
 
 import time
+from collections.abc import Callable
 
 from rclpy.clock import Clock, ClockType, JumpThreshold, TimeJump
 from rclpy.duration import Duration
@@ -18,14 +19,24 @@ class RowTimer:
     """A timer on the node's clock that survives resets, jumps and a clock that stands still.
 
     Args:
-        node: The metrics_node whose clock it is, with `each_second` called when a row is due.
+        node: Whose clock it is.
+        fire: Is called when a row is due.
+        tell: Is given a line for the user.
 
     Attributes:
+        stale_after: How long ROS time may stand still before that is reported [s of steady time].
         times: What was due, and how many segments there were.
     """
 
-    def __init__(self, node: Node) -> None:
-        self._node = node
+    def __init__(
+        self,
+        node: Node,
+        fire: Callable[[], None],
+        tell: Callable[[str], None],
+        stale_after: float,
+    ) -> None:
+        self.stale_after = stale_after
+        self._node, self._fire, self._tell = node, fire, tell
         self._clock = node.get_clock()
         self.times = RowTimes(NANOSECONDS)
         self._silence = SilenceWatch()
@@ -48,7 +59,7 @@ class RowTimer:
     def on_time(self) -> None:
         """Fires, if a row is due now."""
         if self.times.is_due(self._clock.now().nanoseconds):
-            self._node.each_second()
+            self._fire()
 
     def serve(self) -> None:
         """Does now what an executor would do later, after messages that have come meanwhile."""
@@ -66,15 +77,13 @@ class RowTimer:
             self._timer.reset()
             self._went_back()
         now_ns = self._clock.now().nanoseconds
-        change = self._silence.look(
-            now_ns, steady_ns, round(self._node.settings.stale_after * NANOSECONDS)
-        )
+        change = self._silence.look(now_ns, steady_ns, round(self.stale_after * NANOSECONDS))
         if change is None:
             return
         if change.is_over:
-            self._node.tell(f"ROS time goes on after {change.seconds:.0f} s")
+            self._tell(f"ROS time goes on after {change.seconds:.0f} s")
         else:
-            self._node.tell(
+            self._tell(
                 f"ROS time has stood still at {now_ns / 1e9:.2f} s for {change.seconds:.0f} s: no rows "
                 "are written; is the simulation paused, or does nobody publish /clock?"
             )
@@ -93,6 +102,6 @@ class RowTimer:
         before = self.times.segments
         self.times.went_back()
         if is_worth_a_line(before, self.times.segments):
-            self._node.tell(
+            self._tell(
                 f"the clock went back: segment {self.times.segments} of this log begins, totals go on"
             )

@@ -62,7 +62,7 @@ def test_values_of_the_launch_are_the_settings_and_can_be_changed_one_by_one(rig
         assert outcome.successful is (name not in FIXED), outcome.reason
         after = before if name in FIXED else before.updated({name: value})
         assert node.settings == after
-    assert (node.log.fsync, node.publisher.enabled) == (False, True)
+    assert (node.log.fsync, node.publisher.enabled, node.timer.stale_after) == (False, True, 5.0)
     assert node.metrics.thresholds == Settings().thresholds
 
 

@@ -112,10 +112,10 @@ def test_a_second_publisher_is_told(rig: Rig, capfd: Capsys) -> None:
     for _ in range(2):
         rig.simulator.create_publisher(Clock, "/clock", 10)  # which nobody here follows
     rig.spin_until(lambda: node.count_publishers("/scan") == node.count_publishers("/clock") == 2)
-    node.each_second()
+    node.timer._fire()
     rig.simulator.destroy_publisher(second)
     rig.spin_until(lambda: node.count_publishers("/scan") == 1)
-    node.each_second()
+    node.timer._fire()
     told = capfd.readouterr().err
     assert told.count("/scan: 2 publishers, whose messages mix in this log; stop all but one") == 1
     assert told.count("/scan: no second publisher any more") == 1
