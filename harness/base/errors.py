@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from typing import TypeVar
 
 from rover_metrics.errors import KnownError
-from rover_metrics.errors import unknown as unknown  # noqa: PLC0414 - is one of these, too
+from rover_metrics.errors import unknown as unknown  # noqa: PLC0414 - handed on
 
 INSTALL_OPENGL = {"Linux": "install libegl1 libgl1 libgl1-mesa-dri (EGL) or libosmesa6 (OSMesa)"}
 SOURCE_IT = "source the workspace that has it, where this is started"

@@ -36,7 +36,7 @@ class Estimate:
         half: Half of its interval of 95 %.
         why: Why it is not known; "" if it is.
         scale: For values that may be 0: half an interval up to which they count as known.
-        rough: Half of the interval that ROUGH drives leave open, however well they repeat.
+        rough: What `half` comes to at least, because our own drives are off by ROUGH.
     """
 
     name: str
@@ -109,9 +109,9 @@ class Minimum(NamedTuple):
 
     Attributes:
         point: The parameters.
-        halves: Of their intervals, by the residuals.
-        rough: The same if residuals are off by ROUGH.
-        cost: That of the residuals.
+        halves: Halves of their intervals of 95 %, by the residuals that are left.
+        rough: Halves of their intervals of 95 % if each residual is off by ROUGH.
+        cost: Half the sum of what least_squares makes of the residuals.
     """
 
     point: Series

@@ -100,7 +100,8 @@ def ground(
     free, hidden, unknown = blanks(rover, some)
     before = driven(rover, like)
     search = partial(_search, rover, some=some, like=like, workers=workers, show=show)
-    among = search([*free, *hidden]) if free and hidden else []  # for it takes some effect of the others
+    # What no driving shows acts all the same: without it, others would seem to be known better.
+    among = search([*free, *hidden]) if free and hidden else []
     together: list[Estimate] = []
     while free:
         found = search(free)

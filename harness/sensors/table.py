@@ -23,7 +23,7 @@ from harness.sensors.magnetometer import MagneticField, MagnetometerOptions, Mag
 from harness.sensors.optional import OF_TOPIC
 from harness.sensors.ranging import RangeReading, RangeSensor
 from harness.sensors.row import SensorRow as SensorRow  # noqa: PLC0414 - plug-ins have it from here
-from harness.sensors.row import Topic as Topic  # noqa: PLC0414 - likewise
+from harness.sensors.row import Topic as Topic  # noqa: PLC0414 - plug-ins have it from here
 from rover_metrics.plugins import Table
 
 POINT_CLOUD = "sensor_msgs/msg/PointCloud2"

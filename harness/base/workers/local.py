@@ -50,7 +50,8 @@ class LocalWorkers(Workers):
             held_back(FROM_TERMINALS),
         ):
             parallel = Parallel(n_jobs=self.jobs, return_as="generator_unordered", batch_size=1)
-            outcomes = parallel(delayed(_worked)(work, item) for item in items)
+            worked = _worked if self.jobs == 1 else _worked_aside
+            outcomes = parallel(delayed(worked)(work, item) for item in items)
         try:
             # No `yield from`: it would close joblib's generator before its warning is off.
             with _ended_by_signals():
@@ -95,18 +96,20 @@ def _worked(work: Callable[[Item], Outcome], item: Item) -> Outcome:
         return work(item)
     except _Leaving:
         os._exit(1)
-    finally:
-        _spare_modules()
 
 
-def _spare_modules() -> None:
-    """Keeps modules, which the first work has loaded, from being looked through for garbage.
+def _worked_aside(work: Callable[[Item], Outcome], item: Item) -> Outcome:
+    """Does work in a process of its own; what the first one has loaded is never garbage there.
 
-    That takes 50 ms, and joblib has it done every second where psutil is missing.
+    That is for a worker what `edge.loading` is for a program: to look through it takes 50 ms, and joblib
+    has it done every second where psutil is missing.
     """
-    if not gc.get_freeze_count():
-        gc.collect()
-        gc.freeze()
+    try:
+        return _worked(work, item)
+    finally:
+        if not gc.get_freeze_count():
+            gc.collect()
+            gc.freeze()
 
 
 @contextmanager
