@@ -11,6 +11,7 @@ import warnings
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import BrokenExecutor
 from contextlib import contextmanager
+from functools import cache
 from types import FrameType
 
 from harness.base.interrupt import FROM_TERMINALS, HANDLED, NAP, held_back
@@ -99,17 +100,21 @@ def _worked(work: Callable[[Item], Outcome], item: Item) -> Outcome:
 
 
 def _worked_aside(work: Callable[[Item], Outcome], item: Item) -> Outcome:
-    """Does work in a process of its own; what the first one has loaded is never garbage there.
-
-    That is for a worker what `edge.loading` is for a program: to look through it takes 50 ms, and joblib
-    has it done every second where psutil is missing.
-    """
+    """Does work in a process of its own."""
     try:
         return _worked(work, item)
     finally:
-        if not gc.get_freeze_count():
-            gc.collect()
-            gc.freeze()
+        _keep_what_is_loaded()
+
+
+@cache  # once in a process; to ask the collector whether it was takes 10 ms
+def _keep_what_is_loaded() -> None:
+    """Keeps what the first work has loaded out of every garbage collection, as `edge.loading` does.
+
+    One of them takes 50 ms, and joblib has it done every second where psutil is missing.
+    """
+    gc.collect()
+    gc.freeze()
 
 
 @contextmanager
